@@ -1,5 +1,5 @@
-/* What the baker asks of the operating system beyond POSIX and beside memory.h, clock.h, pages.h and terminal.h. system_linux.c answers for
- * native builds, baker/web/system_web.c for WebAssembly, where the host (Node, a browser) does.
+/* Functions of the operating system that POSIX does not have; others are in memory.h, clock.h, pages.h and terminal.h. system_linux.c
+ * implements them for native builds. For WebAssembly baker/web/system_web.c calls the host: Node or a browser.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SYSTEM_H
 #define SYSTEM_H
@@ -20,6 +20,9 @@ uint32_t system_processors(void);
 
 /* Copy the extended attributes and the access list of the file `path` to an open file. Returns 0, or an errno. */
 int system_copy_attributes(const char *path, int descriptor);
+
+/* The path of the running program, NUL-terminated, in `room` bytes. Returns 0 where it is not known or longer. */
+int system_program(char *path, size_t room);
 
 /* Progress by other means than a line on a terminal: 1 where system_show_progress shows it.
  * share  [0, 1]; negative: unknown */

@@ -32,6 +32,14 @@ uint32_t system_processors(void)
     return count < 1 ? 1 : (uint32_t)count;
 }
 
+int system_program(char *path, size_t room)
+{
+    ssize_t length = readlink("/proc/self/exe", path, room);
+    if (length <= 0 || (size_t)length >= room) return 0;
+    path[length] = '\0';
+    return 1;
+}
+
 /* memory ---------------------------------------------------------------------------------------------------------------------- */
 
 /* Address space and resident set of the process. */

@@ -18,6 +18,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "baker/base/system.h"
 #include "baker/base/text.h"
 #include "baker/base/version.h"
 #include "baker/command/report/plan_text.h"
@@ -39,12 +40,9 @@ static int find_template(char path[PATH_MAX])
 {
     static const char *const beside[] = {"../share/vxs/view.html", "../web/view.html"};
     char                     program[PATH_MAX], folder[PATH_MAX];
-    const char              *data   = getenv("VXS_DATA");
-    ssize_t                  length = readlink("/proc/self/exe", program, sizeof program - 1);
+    const char              *data = getenv("VXS_DATA");
     if (data && snprintf(path, PATH_MAX, "%s/view.html", data) < PATH_MAX && !access(path, F_OK)) return 1;
-    if (length <= 0) return 0;
-    program[length] = '\0';
-    if (!path_split(program, folder)) return 0;
+    if (!system_program(program, sizeof program) || !path_split(program, folder)) return 0;
     for (size_t n = 0; n < sizeof beside / sizeof *beside; n++)
         if (snprintf(path, PATH_MAX, "%s%s", folder, beside[n]) < PATH_MAX && !access(path, F_OK)) return 1;
     return 0;

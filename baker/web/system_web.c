@@ -162,13 +162,6 @@ int linkat(int from_dir, const char *from, int to_dir, const char *to, int flags
     return done(-ENOSYS);
 }
 
-/* Only for /proc/self/exe, which no host has. */
-ssize_t readlink(const char *restrict path, char *restrict to, size_t room)
-{
-    (void)path, (void)to, (void)room;
-    return done(-ENOSYS);
-}
-
 int mkdir(const char *path, mode_t mode)
 {
     return done(host_mkdir(path, (int)mode));
@@ -309,6 +302,12 @@ pid_t getpid(void)
 uint32_t system_processors(void)
 {
     return (uint32_t)host_processors();
+}
+
+int system_program(char *path, size_t room)
+{
+    (void)path, (void)room;
+    return 0;
 }
 
 static uint32_t kept;

@@ -1,4 +1,4 @@
-// Reading the scene of a level with three.js, from bytes alone: no address outside of the page is asked.
+// Reads the scene of a level with three.js, from bytes alone: nothing is loaded from outside of the page.
 // SPDX-License-Identifier: MIT
 import { LoadingManager } from 'three';
 import { DRACOLoader } from 'three/addons/loaders/DRACOLoader.js';
