@@ -100,16 +100,17 @@ VXS_FN vxs_u32 vxs_popcount(vxs_u32 x)
 #endif
 
 /* VXS_INLINE: functions on the path of every lookup; a call would pass their structs through memory, which costs a fifth of
- * the time. The includer may define it, to have less code. VXS_APART: functions that few lookups need; inlined, they would take
- * registers from the others. */
-#if defined(VXS_C) && defined(__GNUC__)
-#ifndef VXS_INLINE
+ * the time, but for builds with VXS_SMALL, which are to be small: WebAssembly. VXS_APART: functions that few lookups need; inlined,
+ * they would take registers from the others. */
+#if defined(VXS_C) && defined(__GNUC__) && !defined(VXS_SMALL)
 #define VXS_INLINE VXS_FN __attribute__((always_inline))
-#endif
-#define VXS_APART static __attribute__((noinline, unused))
 #else
 #define VXS_INLINE VXS_FN
-#define VXS_APART  VXS_FN
+#endif
+#if defined(VXS_C) && defined(__GNUC__)
+#define VXS_APART static __attribute__((noinline, unused))
+#else
+#define VXS_APART VXS_FN
 #endif
 
 /* Mask of a slice of 8 x 8 texels: texel (x, y) is bit x + 8y of two words, 1 for shadow. */

@@ -45,9 +45,8 @@ static inline uint32_t page_last_bit(uint32_t x)
 }
 #endif
 
-/* Functions that are inlined for speed, unless the includer defines PAGE_SMALL (WebAssembly, where half of the size is a tenth of the
- * speed). */
-#ifdef PAGE_SMALL
+/* Functions that are inlined for speed, but for builds with VXS_SMALL, where half of the size is a tenth of the speed. */
+#ifdef VXS_SMALL
 #define PAGE_CALL static
 #else
 #define PAGE_CALL PAGE_INLINE

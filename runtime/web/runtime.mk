@@ -19,7 +19,7 @@ web.zstd   := $(addprefix $(zstd.src)/,decompress/huf_decompress.c decompress/zs
               decompress/zstd_decompress_block.c common/entropy_common.c common/error_private.c common/fse_decompress.c common/zstd_common.c common/xxhash.c)
 # SIMD, i32.popcnt, conversions that saturate: what browsers have since 2021
 web.cpu    := -flto -msimd128 -msse2 -D__POPCNT__=1 -mnontrapping-fptoint -mbulk-memory -msign-ext
-web.flags  := -std=c11 -D_GNU_SOURCE $(web.cpu) -ffp-contract=off -DNDEBUG -DVXS_ONE_THREAD -DVXS_NO_FILES -DVXS_SMALL -DPAGE_SMALL -D'VXS_INLINE=static inline' \
+web.flags  := -std=c11 -D_GNU_SOURCE $(web.cpu) -ffp-contract=off -DNDEBUG -DVXS_ONE_THREAD -DVXS_NO_FILES -DVXS_SMALL \
               -I. -Iformats -Iruntime -I$(zstd.src) -I$(xxhash.src) -Wall -Wextra -Wshadow -Wpointer-arith -MMD -MP
 web.zflags := $(web.cpu) -DNDEBUG -DZSTD_DISABLE_ASM -DZSTD_LEGACY_SUPPORT=0 -DZSTD_STRIP_ERROR_STRINGS -DHUF_FORCE_DECOMPRESS_X1 \
               -DZSTD_FORCE_DECOMPRESS_SEQUENCES_SHORT -DZSTD_NO_INLINE -DXXH_NO_INLINE_HINTS=0 -w -MMD -MP
