@@ -55,11 +55,32 @@ export class Owner {
 export const newNet = () => (typeof FinalizationRegistry === 'function'
   ? new FinalizationRegistry(([close, handle]) => close(handle)) : undefined);
 
-/** The light of an index or a name. */
-export function chooseLight(lights, which) {
-  const light = typeof which === 'number' ? lights[which] : lights.find((l) => l.name === which);
-  if (!light) throw new RangeError(`no light ${JSON.stringify(which)}; there are: ${lights.map((l) => l.name).join(', ')}`);
-  return light;
+/** An open file, in memory or as a stream. `calls` are functions of C: lightCount(handle), light(handle, n), metadata(handle). */
+export class Opened extends Owner {
+  #metadata; #info;
+
+  constructor(heap, handle, close, net, calls, Light) {
+    super(heap, handle, close, net);
+    this.#metadata = calls.metadata;
+    const lights = Array.from({ length: calls.lightCount(handle) }, (_, n) => new Light(this, calls.light(handle, n) >>> 0, n));
+    Object.defineProperty(this, 'lights', { value: Object.freeze(lights), enumerable: true });
+  }
+
+  /** The light of an index or a name. */
+  light(which) {
+    const { lights } = this, light = typeof which === 'number' ? lights[which] : lights.find((l) => l.name === which);
+    if (!light) throw new RangeError(`no light ${JSON.stringify(which)}; there are: ${lights.map((l) => l.name).join(', ')}`);
+    return light;
+  }
+
+  get info() {
+    const { heap, handle } = this;
+    if (this.#info === undefined) {
+      const text = this.#metadata(handle);
+      this.#info = text ? JSON.parse(heap.text(text)) : null;
+    }
+    return this.#info;
+  }
 }
 
 export class CoreLight {
@@ -131,25 +152,10 @@ export class CoreLight {
   }
 }
 
-export class CoreAsset extends Owner {
-  #info;
-
+export class CoreAsset extends Opened {
   constructor(heap, handle, net, Light) {
-    super(heap, handle, (asset) => heap.c.web_close(asset), net);
-    const lights = Array.from({ length: heap.c.web_light_count(handle) },
-      (_, n) => new Light(this, heap.c.web_light(handle, n) >>> 0, n));
-    Object.defineProperty(this, 'lights', { value: Object.freeze(lights), enumerable: true });
-  }
-
-  light(which) { return chooseLight(this.lights, which); }
-
-  get info() {
-    const { heap, handle } = this;
-    if (this.#info === undefined) {
-      const text = heap.c.web_metadata(handle);
-      this.#info = text ? JSON.parse(heap.text(text)) : null;
-    }
-    return this.#info;
+    const { web_close: close, web_light_count: lightCount, web_light: light, web_metadata: metadata } = heap.c;
+    super(heap, handle, close, net, { lightCount, light, metadata }, Light);
   }
 }
 

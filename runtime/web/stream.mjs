@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Streams: files larger than memory, read over fetch by ranges. vxs_stream.h describes what C does; here bytes are fetched.
 import { VXSError } from './instance.mjs';
-import { Owner, chooseLight, integer, vector } from './light.mjs';
+import { Opened, integer, vector } from './light.mjs';
 
 const HEADER_BYTES = 64, ENTRY_BYTES = 48, SECTIONS_MAX = 20480, PAGES = 0x45474150; // vxs_format.h
 const FIRST_BYTES = 64 << 10;  // of the first request; also the least of later ones before the stream is open
@@ -193,34 +193,19 @@ class Source {
   }
 }
 
-export class Stream extends Owner {
-  #source; #info; #changed = [];
+export class Stream extends Opened {
+  #source; #changed = [];
 
   constructor(heap, handle, close, net, source, Light) {
-    super(heap, handle, close, net);
+    const { web_stream_light_count: lightCount, web_stream_light: light, web_stream_metadata: metadata } = heap.c;
+    super(heap, handle, close, net, { lightCount, light, metadata }, Light);
     this.#source = source;
-    const { c } = heap;
-    this.wordCount = c.web_stream_word_count(handle);
+    this.wordCount = heap.c.web_stream_word_count(handle);
     this.ranges = !source.file.whole;
-    this.lights = Object.freeze(Array.from({ length: c.web_stream_light_count(handle) }, (_, n) => {
-      const light = new Light(this, c.web_stream_light(handle, n) >>> 0, n);
-      light.firstWord = c.web_stream_first_word(handle, n);
-      return light;
-    }));
+    for (const each of this.lights) each.firstWord = heap.c.web_stream_first_word(handle, each.index);
   }
-
-  light(which) { return chooseLight(this.lights, which); }
 
   smokeOf(index) { return this.heap.c.web_stream_smoke(this.handle, index) >>> 0; }
-
-  get info() {
-    const { heap, handle } = this;
-    if (this.#info === undefined) {
-      const text = heap.c.web_stream_metadata(handle);
-      this.#info = text ? JSON.parse(heap.text(text)) : null;
-    }
-    return this.#info;
-  }
 
   frame(foci = []) {
     const { heap, handle } = this, at = heap.scratch, out = at + FOCUS_BYTES * FOCI_MAX;
