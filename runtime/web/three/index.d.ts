@@ -102,12 +102,12 @@ export class FogPass {
 }
 
 /** Loads .vxs files. Wrong bytes are a VXSError. */
-export class VXSLoader extends Loader<BakedShadows> {
+export class VXSLoader<Shadows = BakedShadows> extends Loader<Shadows> {
   constructor(manager?: LoadingManager);
   /** A runtime of load(), or a promise of one; load() of 'vxs' by default. */
   setRuntime(runtime: Runtime | Promise<Runtime>): this;
-  parse(bytes: Uint8Array | ArrayBuffer, onLoad: (shadows: BakedShadows) => void, onError?: (error: unknown) => void): void;
-  parseAsync(bytes: Uint8Array | ArrayBuffer): Promise<BakedShadows>;
+  parse(bytes: Uint8Array | ArrayBuffer, onLoad: (shadows: Shadows) => void, onError?: (error: unknown) => void): void;
+  parseAsync(bytes: Uint8Array | ArrayBuffer): Promise<Shadows>;
 }
 
 /**
@@ -116,7 +116,7 @@ export class VXSLoader extends Loader<BakedShadows> {
  * scene. Attach them: gltf.shadows?.attach(gltf).
  */
 export class VXSShadowsPlugin {
-  constructor(parser: unknown, loader?: VXSLoader);
+  constructor(parser: unknown, loader?: VXSLoader<unknown>);
   readonly name: 'VXS_baked_shadows';
   afterRoot(result: object): Promise<void>;
 }

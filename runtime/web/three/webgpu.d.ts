@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-import type { Loader, LoadingManager, Object3D } from 'three';
+import type { Object3D } from 'three';
 import type { WebGPURenderer } from 'three/webgpu';
-import type { Runtime } from 'vxs';
-import type { BakedShadows as Shadows, Filter, Match } from './index.js';
+import { VXSLoader as Loader, type BakedShadows as Shadows, type Filter, type Match } from './index.js';
 
 export { VXSError } from 'vxs';
-export { lightOf } from './index.js';
+export { VXSShadowsPlugin, lightOf } from './index.js';
 
 export interface NodeAttachOptions {
   /** Exact lookups through light.shadow.shadowNode; the only way here. */
@@ -26,16 +25,4 @@ export interface BakedShadows extends Omit<Shadows, 'attach'> {
   attach(target: Object3D | { scene: Object3D; parser?: unknown }, options?: NodeAttachOptions): Match;
 }
 
-export class VXSLoader extends Loader<BakedShadows> {
-  constructor(manager?: LoadingManager);
-  setRuntime(runtime: Runtime | Promise<Runtime>): this;
-  parse(bytes: Uint8Array | ArrayBuffer, onLoad: (shadows: BakedShadows) => void, onError?: (error: unknown) => void): void;
-  parseAsync(bytes: Uint8Array | ArrayBuffer): Promise<BakedShadows>;
-}
-
-/** As VXSShadowsPlugin of vxs/three. */
-export class VXSShadowsPlugin {
-  constructor(parser: unknown, loader?: VXSLoader);
-  readonly name: 'VXS_baked_shadows';
-  afterRoot(result: object): Promise<void>;
-}
+export class VXSLoader extends Loader<BakedShadows> {}
