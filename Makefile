@@ -349,7 +349,7 @@ $(CHART_JS): ; # it may come with a package that is yet to be installed
 
 # --- demo, check, bench: on a bare system, and with all processors ----------------------------------------------------------
 
-ifneq ($(filter demo check check-fast check-unit check-asan check-repeats check-sanitizers bench deb web check-web check-web-fast web-compare packages,$(MAKECMDGOALS)),)
+ifneq ($(filter demo check check-fast check-unit check-asan check-repeats check-sanitizers bench deb $(web.goals) packages,$(MAKECMDGOALS)),)
 jobs := $(if $(findstring -j,$(MAKEFLAGS)),,-j$(shell nproc))
 MAKEFLAGS += $(jobs)
 $(objects) $(gltf.gch) build/corpus: | packages # nothing is compiled before the headers are there, or unpacked before python3 is
@@ -357,7 +357,7 @@ endif
 
 # `make demo` compiles no tests, and needs none of their packages
 tested = $(filter check check-fast check-unit check-asan check-repeats check-sanitizers bench packages,$(MAKECMDGOALS))
-needed = $(packages.build) $(if $(tested),$(packages.test)) $(if $(tested)$(filter deb,$(MAKECMDGOALS)),$(packages.deb)) $(if $(filter web check-web check-web-fast web-compare,$(MAKECMDGOALS)),$(packages.web) $(if $(filter check-web check-web-fast web-compare,$(MAKECMDGOALS)),chromium))
+needed = $(packages.build) $(if $(tested),$(packages.test)) $(if $(tested)$(filter deb,$(MAKECMDGOALS)),$(packages.deb)) $(if $(filter $(web.goals),$(MAKECMDGOALS)),$(packages.web))
 packages:
 ifneq ($(packages),skip)
 	@here=$$(dpkg-query -W -f '$${Package} $${db:Status-Status}\n' $(needed) 2>/dev/null | sed -n 's/ installed$$//p'); \

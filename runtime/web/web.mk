@@ -9,7 +9,9 @@ web.tools := $W/node_modules/.package-lock.json
 # emcc finds acorn there
 export NODE_PATH := $(abspath $W/node_modules)
 
-packages.web := emscripten brotli dpkg-dev $(if $(shell command -v node),,nodejs) $(if $(shell command -v npm),,npm)
+web.goals    := web check-web check-web-fast web-compare
+packages.web := emscripten brotli dpkg-dev $(if $(shell command -v node),,nodejs) $(if $(shell command -v npm),,npm) \
+                $(if $(filter-out web,$(filter $(web.goals),$(MAKECMDGOALS))),chromium python3-jsonschema)
 
 $(web.tools): runtime/web/tools/package.json runtime/web/tools/package-lock.json | packages
 	@echo "  npm  $(@D)"
@@ -30,7 +32,7 @@ $P/README.md:
 
 -include runtime/web/runtime.mk runtime/web/three.mk runtime/web/view.mk baker/web/baker.mk
 
-.PHONY: web check-web check-web-fast web-compare
+.PHONY: $(web.goals)
 web: $(web.files)
 	@cd $P && npm pack --pack-destination .. --loglevel=error >/dev/null && ls -l ../vxs-$(version).tgz | awk '{ print "wrote $W/vxs-$(version).tgz: " $$5 " bytes" }'
 check-web: web $B/vxs
