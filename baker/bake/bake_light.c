@@ -14,7 +14,7 @@ vxs_result bake_light(const plan_light *planned, const column_source *source, co
 {
     char   doing[sizeof ctx->doing];
     double seconds = 0;
-    snprintf(doing, sizeof doing, "light %s: tile", planned->name);
+    snprintf(doing, sizeof doing, "light %s: square", planned->name);
     for (int s = STAGE_MAPS; s <= STAGE_MERGE; s++) seconds += planned->seconds[s];
     steps_begin(ctx, (uint32_t)planned->tiles, seconds / (double)planned->tiles, doing);
     vxs_result r = coder->begin(coder->data, &planned->light);

@@ -16,6 +16,14 @@
 extern "C" {
 #endif
 
+/* How progress is shown. AUTO: a line on a terminal, else none. JSON: lines on standard error for a program that reads them, also
+ * with --quiet. */
+typedef enum progress_mode { PROGRESS_AUTO, PROGRESS_JSON } progress_mode;
+#define PROGRESS_CHOICES "auto|json"
+
+/* What progress_wanted returns. */
+enum { NO_PROGRESS, PROGRESS_LINE, PROGRESS_LINES_OF_JSON };
+
 typedef struct run_context {
     char        error[1024]; /* one line without a newline; "": no failure */
     char      **warnings;    /* [warning_count] one line each, owned */
@@ -34,9 +42,10 @@ typedef struct run_context {
     uint64_t                  memory_bytes; /* memory limit of the process (baker/base/memory.h); 0: no limit */
 
     /* verbosity and colours: for people only; no data depends on them */
-    int        verbose;   /* nonzero: full reports */
-    int        no_report; /* nonzero: no report, no progress */
-    color_mode color;
+    int           verbose;   /* nonzero: full reports */
+    int           no_report; /* nonzero: no report, no progress */
+    color_mode    color;
+    progress_mode progress;
 } run_context;
 
 #if defined(__GNUC__)
@@ -65,7 +74,7 @@ void run_free(run_context *m);
 /* Stream of a report for people: standard output, or standard error when an output uses standard output; NULL: none. */
 FILE *report_stream(const run_context *m, int stdout_is_taken);
 
-/* 1 when progress may be shown on standard error. */
+/* Whether and how progress is shown on standard error: NO_PROGRESS, which is 0, or another of these constants. */
 int progress_wanted(const run_context *m);
 
 /* Exit status of a command that ended with `code`. Only this function maps results to statuses (docs/manual.md). */

@@ -10,5 +10,6 @@ FILE *report_stream(const run_context *m, int stdout_is_taken)
 
 int progress_wanted(const run_context *m)
 {
-    return !m->no_report && (system_shows_progress() || terminal_can_clear(stderr));
+    if (m->progress == PROGRESS_JSON) return PROGRESS_LINES_OF_JSON;
+    return !m->no_report && (system_shows_progress() || terminal_can_clear(stderr)) ? PROGRESS_LINE : NO_PROGRESS;
 }

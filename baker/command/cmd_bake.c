@@ -38,7 +38,7 @@ static vxs_result run(void *command, run_context *m)
     bake_observer     drawn  = {pages ? pages->on_complete : NULL, &page};
     vxs_result        r      = bake_arguments_check(a, m);
     process_return_large();
-    a->o.watch = progress_wanted(m) ? &progress_watch : NULL;
+    a->o.watch = progress_watch(m);
     if (r == VXS_OK) r = bake(&a->o, a->o.page_path ? &drawn : NULL, &report, m);
     progress_clear();
     if (r == VXS_OK) r = write_reports(a, &page, &report, m);

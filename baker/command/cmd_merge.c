@@ -21,7 +21,7 @@ static vxs_result run(void *command, run_context *m)
     merge_command *c      = command;
     merge_report   report = {.parts = 0};
     process_return_large();
-    c->o.watch    = progress_wanted(m) ? &progress_watch : NULL;
+    c->o.watch    = progress_watch(m);
     vxs_result r  = merge_parts(&c->o, &report, m);
     FILE      *to = report_stream(m, is_standard_output(c->o.output_path) || is_standard_output(c->json_path));
     progress_clear();

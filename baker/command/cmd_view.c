@@ -78,7 +78,7 @@ static vxs_result bake_asset(view_command *c, FILE *to, run_context *m)
     bake_report   report = {0};
     bake_observer taking = {take_asset, &c->asset};
     process_return_large();
-    o->watch     = progress_wanted(m) ? &progress_watch : NULL;
+    o->watch     = progress_watch(m);
     vxs_result r = bake_arguments_check(&c->bake, m);
     if (r == VXS_OK) r = bake(o, &taking, &report, m);
     progress_clear();

@@ -147,7 +147,7 @@ def test_a_level_when_it_is_saved(vxs, run, compiled, scenes, tmp_path):
     program = compiled(LISTINGS[0])
     vxs("bake", scenes / "city.glb", "-o", tmp_path / "a.vxs", "--resolution", 1024)
     shown = run(program, scenes / "city.glb", tmp_path / "b.vxs").stdout
-    assert "reading" in shown and "light sun: tile 1 of" in shown
+    assert "reading" in shown and "light sun: square 1 of" in shown
     assert (tmp_path / "a.vxs").read_bytes() == (tmp_path / "b.vxs").read_bytes()
     assert run(program, tmp_path / "missing.glb", tmp_path / "b.vxs", status=1).stderr.startswith("error: ")
 

@@ -524,16 +524,16 @@ def test_progress_on_a_terminal(vxs_path, city, tmp_path):
     lines = said.split(CLEAR)
     assert status == 0 and lines[0] == lines[-1] == b"" and b"\n" not in said
     assert all(line.startswith(b"vxs: ") and len(line) < 80 for line in lines[1:-1])
-    for n, text in enumerate((b"reading ", b"telling solids", b"making a plan", b"light sun: tile 1 of 4")):
+    for n, text in enumerate((b"reading ", b"telling solids", b"making a plan", b"light sun: square 1 of 4")):
         assert lines[1 + n].startswith(b"vxs: " + text)
     assert lines[-2].startswith(b"vxs: writing ")
     estimates = [int(line.split(b"about ")[1].split()[0]) for line in lines if b"about " in line]
-    assert estimates and all(0 < seconds < 600 for seconds in estimates) and said.count(b"tile 1 of 4") > 1
+    assert estimates and all(0 < seconds < 600 for seconds in estimates) and said.count(b"square 1 of 4") > 1
 
 
 @pytest.mark.slow
 def test_interrupt_takes_the_progress_away(vxs_path, city, tmp_path):
-    status, said = on_a_terminal([vxs_path, "bake", city, "-o", tmp_path / "a.vxs", "--resolution", "16384"], interrupt_at=b"tile 1 of")
+    status, said = on_a_terminal([vxs_path, "bake", city, "-o", tmp_path / "a.vxs", "--resolution", "16384"], interrupt_at=b"square 1 of")
     assert status == 130 and said.endswith(CLEAR) and list(tmp_path.iterdir()) == []
 
 

@@ -334,7 +334,7 @@ def test_progress_is_one_line_that_goes_away(vxs_path, folder, tmp_path):
     updates = said.count("\r\x1b[K")
     assert updates <= 20 + 10 * (time.monotonic() - start) and "\n" not in said
     assert said.endswith("\r\x1b[K"), "the line is gone at the end"
-    shares = [int(n) for n in re.findall(r"vxs: (\d+) %: light sun: tile \d+ of \d+", said)]
+    shares = [int(n) for n in re.findall(r"vxs: (\d+) %: light sun: square \d+ of \d+", said)]
     assert len(shares) >= 2 and shares == sorted(shares) and shares[-1] <= 100
 
 

@@ -247,6 +247,16 @@ def test_no_escapes_without_a_terminal_but_on_demand(vxs, folder, tmp_path, opti
     assert (done.stdout + done.stderr).count("\x1b") == 2 * bool(options) and "\r" not in done.stderr
 
 
+def test_progress_for_a_program(vxs, folder, tmp_path):
+    """Lines of JSON on standard error, also without a report: shares that grow, and the time that is left where it is known."""
+    done = vxs("bake", folder / "three.gltf", "-o", tmp_path / "a.vxs", "--resolution", 8192, "--light", "noon", "--quiet", "--progress", "json")
+    lines = [json.loads(line) for line in done.stderr.splitlines()]
+    assert lines[0] == {"doing": f"reading {folder / 'three.gltf'}"[:79]} and lines[-1]["doing"].startswith("writing ")
+    assert all(set(line) <= {"share", "seconds_left", "doing"} for line in lines)
+    shares = [line["share"] for line in lines if "share" in line]
+    assert shares == sorted(shares) and all(0 <= share <= 1 for share in shares)
+
+
 def test_no_progress_on_a_dumb_terminal(vxs_path, folder, tmp_path):
     command = [vxs_path, "bake", folder / "three.gltf", "-o", tmp_path / "a.vxs", *SMALL, "--color", "never"]
     assert "\x1b[K" in on_a_terminal(command, folder)

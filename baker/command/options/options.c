@@ -57,7 +57,7 @@ int command_run(const command_line *c, int argc, char **argv, vxs_result (*run)(
 }
 
 /* Options of every command, after its own rows. */
-enum { COMMON_OPTIONS = 7 };
+enum { COMMON_OPTIONS = 8 };
 
 static const option *find_option(const command_line *c, const char *name, size_t length)
 {
@@ -326,6 +326,8 @@ vxs_result options_parse(const command_line *c, int argc, char **argv, int *help
          "no report and no progress: errors, warnings, what was asked for", NULL},
         {"--verbose", OPTION_SWITCH, &m->verbose, 0, 0, NULL, NULL, "the report at full length, with decisions and their reasons",
          NULL},
+        {"--progress", OPTION_CHOICE, &m->progress, 0, 0, PROGRESS_CHOICES, NULL,
+         "progress; auto: on a terminal; json: lines for a program, on standard error (default auto)", NULL},
         {"--color", OPTION_CHOICE, &m->color, 0, 0, COLOR_CHOICES, NULL, "colours; auto: on a terminal (default auto)", NULL},
         {"--help", OPTION_HELP, &format, 0, 0, HELP_FORMATS, NULL, "this text, and nothing else; --help=man prints a manual page",
          NULL},

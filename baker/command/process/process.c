@@ -10,6 +10,7 @@
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -35,17 +36,47 @@ void progress_clear(void)
 /* Longer lines would wrap on narrow terminals, and could not be cleared. */
 enum { LINE_MAX_BYTES = 79 };
 
+/* ", about 12 s left"; "" when unknown, or about to end. */
+static void time_left(char text[32], double seconds)
+{
+    text[0] = 0;
+    if (seconds >= 120)
+        snprintf(text, 32, ", about %.0f min left", seconds / 60);
+    else if (seconds >= 0.5)
+        snprintf(text, 32, ", about %.0f s left", seconds);
+}
+
 static const double interval_seconds = 0.1;
 
 static double printed_at;
 
-static void print_line(const char *left, const char *format, va_list args)
+/* {"share": 0.42, "seconds_left": 12, "doing": "TEXT"}. Nothing without memory. */
+static void print_json(double share, double seconds_left, const char *doing)
 {
-    char text[LINE_MAX_BYTES + 1], line[LINE_MAX_BYTES + 1];
-    int  room = LINE_MAX_BYTES - (int)strlen("vxs: ") - (int)strlen(left);
+    json_t *line = json_object();
+    if (share >= 0) json_set(&line, "share", json_real(share));
+    if (seconds_left >= 0) json_set(&line, "seconds_left", json_real(seconds_left));
+    json_set(&line, "doing", json_text(doing));
+    char *text = json_whole_text(line, JSON_COMPACT | JSON_REAL_PRECISION(4));
+    if (text) fprintf(stderr, "%s\n", text);
+    free(text);
+    json_decref(line);
+}
+
+/* share, seconds_left  negative: unknown */
+static void print_progress(int shown, double share, double seconds_left, const char *format, va_list args)
+{
+    char text[LINE_MAX_BYTES + 1], line[LINE_MAX_BYTES + 1], left[32];
+    printed_at = clock_seconds();
+    if (shown == PROGRESS_LINES_OF_JSON) {
+        vsnprintf(text, sizeof text, format, args);
+        print_json(share, seconds_left, one_line(text));
+        return;
+    }
+    time_left(left, seconds_left);
+    int room = LINE_MAX_BYTES - (int)strlen("vxs: ") - (int)strlen(left);
     vsnprintf(text, (size_t)room + 1, format, args);
     snprintf(line, sizeof line, "vxs: %s%s", one_line(text), left);
-    printed_at = clock_seconds();
 
     /* Replace the line by a text, on standard error. */
     atomic_store(&line_shown, 1);
@@ -58,31 +89,18 @@ void progress_say(int shown, const char *format, ...)
     if (!shown) return;
     va_list args;
     va_start(args, format);
-    print_line("", format, args);
+    print_progress(shown, -1, -1, format, args);
     va_end(args);
-}
-
-/* ", about 12 s left"; "" when unknown, or about to end. */
-static void estimate(char text[32], double share, double spent_seconds)
-{
-    double left = share > 0 ? spent_seconds / share * (1 - share) : 0;
-    text[0]     = 0;
-    if (left >= 120)
-        snprintf(text, 32, ", about %.0f min left", left / 60);
-    else if (left >= 0.5)
-        snprintf(text, 32, ", about %.0f s left", left);
 }
 
 void progress_share(int shown, double share, double since, const char *format, ...)
 {
     double now = shown ? clock_seconds() : 0;
-    /* 1 while there is a line. */
-    if (!shown || (atomic_load(&line_shown) && now - printed_at < interval_seconds)) return;
-    char left[32];
-    estimate(left, share, now - since);
+    /* a line that was cleared is shown again at once */
+    if (!shown || ((shown == PROGRESS_LINES_OF_JSON || atomic_load(&line_shown)) && now - printed_at < interval_seconds)) return;
     va_list args;
     va_start(args, format);
-    print_line(left, format, args);
+    print_progress(shown, share, share > 0 ? (now - since) / share * (1 - share) : -1, format, args);
     va_end(args);
 }
 
@@ -92,7 +110,7 @@ static void watch_shown(void *user, const char *doing)
     if (system_shows_progress())
         system_show_progress(-1, doing);
     else
-        progress_say(1, "%s", doing);
+        progress_say(PROGRESS_LINE, "%s", doing);
 }
 
 static void watch_shared(void *user, double share, double since, const char *doing)
@@ -101,10 +119,27 @@ static void watch_shared(void *user, double share, double since, const char *doi
     if (system_shows_progress())
         system_show_progress(share, doing);
     else
-        progress_share(1, share, since, "%u %%: %s", (unsigned)(100 * share), doing);
+        progress_share(PROGRESS_LINE, share, since, "%u %%: %s", (unsigned)(100 * share), doing);
 }
 
-const run_watch progress_watch = {.say = watch_shown, .share = watch_shared};
+static void json_shown(void *user, const char *doing)
+{
+    (void)user;
+    progress_say(PROGRESS_LINES_OF_JSON, "%s", doing);
+}
+
+static void json_shared(void *user, double share, double since, const char *doing)
+{
+    (void)user;
+    progress_share(PROGRESS_LINES_OF_JSON, share, since, "%s", doing);
+}
+
+const run_watch *progress_watch(const run_context *m)
+{
+    static const run_watch line = {.say = watch_shown, .share = watch_shared}, json = {.say = json_shown, .share = json_shared};
+    int                    shown = progress_wanted(m);
+    return shown == PROGRESS_LINES_OF_JSON ? &json : shown ? &line : NULL;
+}
 
 static temporary_files temporary;
 

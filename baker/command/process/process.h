@@ -43,10 +43,13 @@ void process_remove_temporary(void);
  *
  *     progress_say(shown, "reading %s", path);
  *     double since = clock_seconds();
- *     for (...) progress_share(shown, (double)done / count, since, "light %s: tile %u of %u", ...);
+ *     for (...) progress_share(shown, (double)done / count, since, "light %s: square %u of %u", ...);
  *     progress_clear();
  *
- * shown  0: standard error is no terminal, and nothing is printed.   Threads: one at a time. */
+ * With --progress json, instead: a line {"share": 0.42, "seconds_left": 12, "doing": "TEXT"} each time, not overwritten; share and
+ * seconds_left only where they are known.
+ *
+ * shown  progress_wanted()   Threads: one at a time. */
 
 #if defined(__GNUC__)
 #define PROGRESS_PRINTF(text, values) __attribute__((format(printf, text, values)))
@@ -61,8 +64,8 @@ void progress_say(int shown, const char *format, ...) PROGRESS_PRINTF(2, 3);
  * share  of the work that is done, 0 to 1;   since  clock_seconds() at the start of the work */
 void progress_share(int shown, double share, double since, const char *format, ...) PROGRESS_PRINTF(4, 5);
 
-/* Run callbacks that show progress on a terminal. */
-extern const run_watch progress_watch;
+/* Run callbacks that show progress in this way; NULL: no progress is shown. */
+const run_watch *progress_watch(const run_context *m);
 
 /* The progress line of a terminal (baker/command/process/process.h): the part that every function that prints needs. */
 

@@ -131,7 +131,7 @@ static void show_progress(const bench_work *w, uint32_t run, size_t at)
     double spent = clock_seconds() - w->since;
     double left  = left_seconds + (w->o->runs - run - 1) * round_seconds;
     progress_clear(); /* the next step may take long: show its name, even if the last step took no time */
-    progress_share(1, left > 0 ? spent / (spent + left) : 0, w->since, "run %u of %u: %s", run + 1, w->o->runs,
+    progress_share(w->o->progress, left > 0 ? spent / (spent + left) : 0, w->since, "run %u of %u: %s", run + 1, w->o->runs,
                    bench_cell_name(name, sizeof name, w->result, w->jobs[at].cell));
 }
 

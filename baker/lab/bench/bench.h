@@ -27,7 +27,7 @@ typedef struct bench_options {
     uint32_t    filter_count;
     uint32_t    runs;
     uint32_t    points;   /* points of each kind for measuring errors; 0: measure neither errors nor lookups */
-    int         progress; /* 1: show progress on standard error */
+    int         progress; /* how progress is shown (progress_wanted) */
 } bench_options;
 
 typedef struct bench_job {

@@ -25,7 +25,7 @@ typedef struct health_command {
 
 static void show_progress(const char *what)
 {
-    progress_say(1, "examining %s", what);
+    progress_say(PROGRESS_LINE, "examining %s", what);
 }
 
 /* The shape of a component, in a word or two. A one-sided component without boundary edges is closed. */
@@ -158,7 +158,7 @@ static vxs_result run(void *command, run_context *m)
 
     if ((r = scene_load_gltf(&s, c->path, &c->choice, m)) != VXS_OK) goto done;
     if ((r = casters_from_scene(&casting, &s, (closed_mode)c->closed, 1, m)) != VXS_OK) goto done;
-    r = mesh_health_examine(&h, &casting, progress_wanted(m) ? show_progress : NULL, m);
+    r = mesh_health_examine(&h, &casting, progress_wanted(m) == PROGRESS_LINE ? show_progress : NULL, m);
     progress_clear();
     if (r != VXS_OK) goto done;
     FILE *to = report_stream(m, is_standard_output(c->json_path));
