@@ -1,0 +1,7 @@
+# Tests of the add-on for Blender. They install nothing, and skip what has no Blender: blender of PATH, and each Python with the module
+# bpy that BPY names, separated by colons.
+# SPDX-License-Identifier: GPL-3.0-or-later
+
+.PHONY: check-blender
+check-blender: $B/vxs
+	@VXS=$(abspath $B/vxs) $(python) tests/blender/run $(if $(only),--only $(only))
