@@ -42,6 +42,7 @@
 #                       for other lights, as VXS_ONLY_KIND and VXS_ONLY_CODING do in shaders
 #   make web            the npm package: the command, the runtime and three.js lights for Node and browsers, in build/web/vxs (docs/web.md)
 #   make check-web      test that package, with Chromium; only=NAME runs tests/web/*NAME*; check-web-fast: its runtime alone, a minute
+#   make blender        the Blender add-on: build/blender/vxs_shadows-VERSION.zip; install-blender installs it
 #   make check-blender  test the add-on for Blender in what Blenders there are; BPY=/path/to/python also in its module bpy; only=NAME
 #   make web-compare    draw levels in a browser by shadow maps, lightmaps and baked shadows, beside ray-traced truth: build/web/compare/index.html
 #   make install        to $(DESTDIR)$(prefix), which may hold blanks; uninstall takes it away (runtime/install/)
@@ -197,6 +198,7 @@ unit: $(unit) $(helper) $(fuzz)
 
 include runtime/install/install.mk
 include runtime/web/web.mk
+include baker/blender/blender.mk
 include tests/blender/blender.mk
 
 $B/vxs-core: $B/baker/main.c.o $(command.o) $(no_lab.c:%=$B/%.o) $B/bake.a $B/libvxs_volumes.a $B/libvxs.a

@@ -1,0 +1,27 @@
+# Baked shadows for Blender: bakes the shadows of a scene with the command vxs, shows and exports them.
+# SPDX-License-Identifier: GPL-3.0-or-later
+from __future__ import annotations
+
+from . import bake, messages, panels, settings
+
+bl_info = {
+    "name": "vxs baked shadows",
+    "author": "the vxs maintainers",
+    "version": (0, 1, 0),
+    "blender": (3, 4, 0),
+    "location": "Properties > Render > Baked Shadows",
+    "description": "Bakes the shadows of static geometry into small files for games",
+    "category": "Render",
+}
+
+MODULES = (settings, messages, bake, panels)
+
+
+def register() -> None:
+    for module in MODULES:
+        module.register()
+
+
+def unregister() -> None:
+    for module in reversed(MODULES):
+        module.unregister()

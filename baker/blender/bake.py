@@ -1,0 +1,238 @@
+# The operators that bake: the level is written here and now, vxs runs beside Blender.
+# SPDX-License-Identifier: GPL-3.0-or-later
+# flake8: noqa: F722, F821 -- annotations of Blender are properties, not types
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+import time
+from types import SimpleNamespace
+from typing import Any
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+
+from . import settings
+from .command import Run, VxsMissing, bake_arguments, find_vxs
+from .level import Level, write_level
+from .messages import plain, tell_left_out, tell_warnings
+
+AS_SCENE = (("SCENE", "As the Scene", "As in the render properties"),)
+
+
+class BakeFailed(Exception):
+    """The text is one sentence for the user."""
+
+
+def output_path(scene: bpy.types.Scene, asked: str) -> str:
+    """Where the bake goes: asked for, set in the scene, or beside the .blend."""
+    saved = bpy.data.filepath
+    path = asked or scene.vxs.filepath or (f"//{bpy.path.display_name_from_filepath(saved)}.vxs" if saved else "")
+    if not path or path.startswith("//") and not saved:
+        raise BakeFailed("This file was never saved: save it first, or choose an output file in Baked Shadows")
+    return os.path.abspath(bpy.path.ensure_ext(bpy.path.abspath(path), ".vxs"))
+
+
+def size_text(count: float) -> str:
+    unit = next((n for n, limit in (("KiB", 2**20), ("MiB", 2**30)) if count < limit), "GiB")
+    return f"{count / {'KiB': 2**10, 'MiB': 2**20, 'GiB': 2**30}[unit]:.1f} {unit}"
+
+
+def result_text(report: dict[str, Any]) -> str:
+    if report["unchanged"]:
+        return f"{size_text(report['file_bytes'])}, unchanged since the last bake"
+    lines = [f"{size_text(report['file_bytes'])}, {report['total_seconds']:.1f} s, {size_text(report['peak_bytes'])} of memory"]
+    for light in report["lights"]:
+        texel = light.get("texel_at_casters_m", {}).get("median", light["texel_m"])
+        lines.append(f"{light['name']}: {light['resolution_px']} x {light['resolution_px']} texels of {texel:.3g} m")
+    return "\n".join(lines)
+
+
+class Bake:
+    """One bake, from the level to the report. Its temporary folder is gone after finish() or close()."""
+
+    def __init__(self, context: bpy.types.Context, chosen: Any, output: str) -> None:
+        self.output, self.state = output, context.window_manager.vxs
+        self.state.clear()
+        vxs = find_vxs(context)
+        self.folder = tempfile.TemporaryDirectory(prefix="vxs_", ignore_cleanup_errors=True)
+        try:
+            for ob in context.objects_in_mode_unique_data:
+                ob.update_from_editmode()
+            self.level: Level = write_level(context.evaluated_depsgraph_get(), context.scene, os.path.join(self.folder.name, "level.glb"))
+            if not self.level.instances:
+                raise BakeFailed("Nothing casts shadows: no object with a surface is shown, rendered, and not left out")
+            if not self.level.lights:
+                raise BakeFailed("No light is baked: add a sun, point or spot light that is rendered, and has Bake Shadows on")
+            self.report = os.path.join(self.folder.name, "report.json")
+            self.run = Run(vxs, bake_arguments(context, chosen, self.level.lights, self.level.path, output, self.report))
+        except BaseException:
+            self.folder.cleanup()
+            raise
+        self.state.is_running = True
+
+    def step(self) -> bool:
+        """Take in what vxs printed. True while it runs."""
+        if self.state.is_cancelled:
+            self.run.cancel()
+        self.status, progress = self.run.poll()
+        self.state.share = progress.get("share", self.state.share)
+        if "doing" in progress:
+            left = progress.get("seconds_left")
+            self.state.doing = progress["doing"] + (f", {left:.0f} s left" if left is not None else "")
+        return self.status is None
+
+    def finish(self) -> None:
+        """Show results, once step() returned False. Raises BakeFailed."""
+        try:
+            self.run.finish()
+            if self.status == 0:
+                with open(self.report, encoding="utf-8") as file:
+                    report = json.load(file)
+                self.state.result, self.state.filepath = result_text(report), self.output
+                tell_warnings(self.state, self.level, report["warnings"])
+                tell_left_out(self.state, self.level)
+            elif self.status == 130 or self.state.is_cancelled:
+                raise BakeFailed("The bake was cancelled")
+            else:
+                raise BakeFailed(self.why())
+        finally:
+            self.state.is_running = False
+            self.folder.cleanup()
+
+    def why(self) -> str:
+        if self.run.errors:
+            return plain(self.run.errors[-1])
+        return f"vxs was ended by signal {-self.status}" if self.status < 0 else f"vxs failed with status {self.status}"
+
+    def close(self) -> None:
+        """Stop, and show nothing."""
+        self.run.cancel()
+        self.run.finish()
+        self.state.is_running = False
+        self.folder.cleanup()
+
+
+class VXS_OT_bake(bpy.types.Operator):
+    bl_idname = "vxs.bake"
+    bl_label = "Bake Shadows"
+    bl_description = "Bake the shadows of this scene into a .vxs file"
+
+    filepath: StringProperty(name="Output", subtype="FILE_PATH", options={"SKIP_SAVE"})
+    resolution: IntProperty(name="Resolution", min=0, max=262144, description="Texels along a side; 0: as the scene", options={"SKIP_SAVE"})
+    texel: FloatProperty(name="Texel Size", min=0.0, description="0: as the scene", options={"SKIP_SAVE"})
+    region: StringProperty(name="Region", description="Name of an object", options={"SKIP_SAVE"})
+    closed: EnumProperty(name="Solids", items=(*AS_SCENE, *settings.CLOSED), options={"SKIP_SAVE"})
+    pack: EnumProperty(name="Packing", items=(*AS_SCENE, *settings.PACK), options={"SKIP_SAVE"})
+    blend: EnumProperty(name="Blended Materials", items=(*AS_SCENE, *settings.BLEND), options={"SKIP_SAVE"})
+    force: BoolProperty(name="Bake Always", description="Also where the file is up to date", options={"SKIP_SAVE"})
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return context.scene is not None and not context.window_manager.vxs.is_running
+
+    def chosen(self, scene: bpy.types.Scene) -> SimpleNamespace:
+        """The scene's settings, less what the caller asks for."""
+        own = scene.vxs
+        value = SimpleNamespace(detail=own.detail, resolution=own.resolution, texel=own.texel, region=own.region,
+                                if_changed=own.if_changed and not self.force)
+        for name in ("closed", "pack", "blend"):
+            setattr(value, name, getattr(own, name) if getattr(self, name) == "SCENE" else getattr(self, name))
+        if self.resolution:
+            value.detail, value.resolution = "RESOLUTION", str(self.resolution)
+        elif self.texel:
+            value.detail, value.texel = "TEXEL", self.texel
+        if self.region:
+            value.region = scene.objects.get(self.region)
+            if not value.region:
+                raise BakeFailed(f"There is no object '{self.region}' for the region")
+        return value
+
+    def begin(self, context: bpy.types.Context) -> Bake | None:
+        """None after a report of what is wrong."""
+        try:
+            return Bake(context, self.chosen(context.scene), output_path(context.scene, self.filepath))
+        except (BakeFailed, VxsMissing) as error:
+            self.report({"ERROR"}, str(error))
+        except OSError as error:
+            self.report({"ERROR"}, f"The level cannot be written for vxs: {error.strerror}")
+        return None
+
+    def end(self, bake: Bake) -> set[str]:
+        try:
+            bake.finish()
+        except BakeFailed as error:
+            self.report({"WARNING" if bake.state.is_cancelled else "ERROR"}, str(error))
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"{bake.output}: {bake.state.result.splitlines()[0]}")
+        return {"FINISHED"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Bake, and return when all is done."""
+        bake = self.begin(context)
+        if not bake:
+            return {"CANCELLED"}
+        said = ""
+        try:
+            while bake.step():
+                line = f"vxs: {bake.state.share:4.0%} {bake.state.doing}"
+                if bpy.app.background and line != said:
+                    print(line, flush=True)
+                said = line
+                time.sleep(0.02)
+        except BaseException:
+            bake.close()
+            raise
+        return self.end(bake)
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        """Bake beside the window."""
+        if bpy.app.background or not context.window:
+            return self.execute(context)
+        self.bake = self.begin(context)
+        if not self.bake:
+            return {"CANCELLED"}
+        self.timer = context.window_manager.event_timer_add(0.1, window=context.window)
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        if event.type != "TIMER":
+            return {"PASS_THROUGH"}
+        is_running = self.bake.step()
+        for area in (area for window in context.window_manager.windows for area in window.screen.areas if area.type == "PROPERTIES"):
+            area.tag_redraw()
+        if is_running:
+            return {"PASS_THROUGH"}
+        context.window_manager.event_timer_remove(self.timer)
+        return self.end(self.bake)
+
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Blender quits, or opens another file."""
+        context.window_manager.event_timer_remove(self.timer)
+        self.bake.close()
+
+
+class VXS_OT_cancel(bpy.types.Operator):
+    bl_idname = "vxs.cancel"
+    bl_label = "Cancel"
+    bl_description = "Stop the bake; the file stays as it was"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return context.window_manager.vxs.is_running
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        context.window_manager.vxs.is_cancelled = True
+        return {"FINISHED"}
+
+
+def register() -> None:
+    bpy.utils.register_class(VXS_OT_bake)
+    bpy.utils.register_class(VXS_OT_cancel)
+
+
+def unregister() -> None:
+    bpy.utils.unregister_class(VXS_OT_cancel)
+    bpy.utils.unregister_class(VXS_OT_bake)

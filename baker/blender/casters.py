@@ -1,0 +1,114 @@
+# Which objects cast baked shadows: what a render shows, less what moves and what is asked to cast none.
+# SPDX-License-Identifier: GPL-3.0-or-later
+from __future__ import annotations
+
+from typing import Any, Iterator
+
+import bpy
+
+MOVING_PATHS = ("location", "rotation", "scale", "delta_")
+
+
+def rendered_objects(collection: bpy.types.Collection) -> Iterator[bpy.types.Object]:
+    """Objects of a collection and of those in it, without collections that renders leave out."""
+    if not collection.hide_render:
+        yield from collection.objects
+        for child in collection.children:
+            yield from rendered_objects(child)
+
+
+def ancestors(ob: bpy.types.Object | None) -> Iterator[bpy.types.Object]:
+    """The object, its parent, and so on."""
+    while ob:
+        yield ob
+        ob = ob.parent
+
+
+def curves(data: bpy.types.AnimData) -> Iterator[bpy.types.FCurve]:
+    """Curves of the action, of strips, and drivers."""
+    strips = [strip for track in data.nla_tracks if not track.mute for strip in track.strips]
+    for action in {a for a in (data.action, *(strip.action for strip in strips)) if a}:
+        if hasattr(action, "fcurves"):
+            yield from action.fcurves
+        else:  # Blender 5.0
+            for bag in (bag for layer in action.layers for strip in layer.strips for bag in strip.channelbags):
+                yield from bag.fcurves
+    yield from data.drivers
+
+
+def varies(curve: bpy.types.FCurve) -> bool:
+    values = {point.co[1] for point in curve.keyframe_points}
+    return len(values) > 1 or bool(curve.modifiers) or curve.driver is not None
+
+
+def is_animated(ob: bpy.types.Object) -> bool:
+    """Whether the object itself changes its place: by keys, drivers, physics, or a constraint to follow a path."""
+    if ob.rigid_body and ob.rigid_body.type == "ACTIVE" or any(c.type == "FOLLOW_PATH" and not c.mute for c in ob.constraints):
+        return True
+    data = ob.animation_data
+    return bool(data) and any(curve.data_path.startswith(MOVING_PATHS) and varies(curve) for curve in curves(data))
+
+
+def is_deformed(ob: bpy.types.Object) -> bool:
+    return any(m.type == "ARMATURE" and m.object and m.show_viewport for m in ob.modifiers) or ob.parent_type in ("ARMATURE", "BONE")
+
+
+def instancer(instance: bpy.types.DepsgraphObjectInstance) -> bpy.types.Object | None:
+    """The object that shows an instance of another one. Meshes that a curve or geometry nodes make are shown by their own object."""
+    parent = instance.parent.original if instance.is_instance and instance.parent else None
+    return parent if parent != instance.object.original else None
+
+
+class Casters:
+    """reason() says why an instance casts no shadow."""
+
+    def __init__(self, scene: bpy.types.Scene) -> None:
+        self.settings = scene.vxs
+        self.rendered = set(rendered_objects(scene.collection))
+        self.movers = set(self.settings.movers.all_objects) if self.settings.movers else set()
+        self.own: dict[bpy.types.Object, str] = {}
+        self.users: dict[bpy.types.Object, bool] = {}
+
+    def reason(self, instance: bpy.types.DepsgraphObjectInstance) -> str:
+        """Plain words; "" for what casts. instance: one that is rendered."""
+        if not instance.show_self:
+            return "are not shown themselves"
+        ob, shown_by = instance.object.original, instancer(instance)
+        return self.own_reason(ob) or (self.own_reason(shown_by) if shown_by else "")
+
+    def is_rendered(self, instance: bpy.types.DepsgraphObjectInstance) -> bool:
+        ob, shown_by = instance.object.original, instancer(instance)
+        base = shown_by or ob
+        return base in self.rendered and not base.hide_render and (not shown_by or self.is_instance_rendered(ob))
+
+    def is_instance_rendered(self, ob: bpy.types.Object) -> bool:
+        """Instances of a collection follow what its objects say; those of an object itself are rendered all the same."""
+        if not ob.hide_render and not all(c.hide_render for c in ob.users_collection):
+            return True
+        if ob not in self.users:
+            users: Any = bpy.data.user_map(subset={ob}).get(ob, ())
+            self.users[ob] = any(isinstance(user, (bpy.types.NodeTree, bpy.types.ParticleSettings)) for user in users)
+        return self.users[ob]
+
+    def own_reason(self, ob: bpy.types.Object) -> str:
+        if ob not in self.own:
+            self.own[ob] = self.find_reason(ob)
+        return self.own[ob]
+
+    def find_reason(self, ob: bpy.types.Object) -> str:
+        if ob == self.settings.region:
+            return "are the region"
+        if not ob.visible_shadow:
+            return "have no shadow visibility"
+        if not ob.vxs.casts:
+            return "are set to cast no baked shadows"
+        line = list(ancestors(ob))
+        if any(item and not item.get("vxs_cast_shadow", True) for o in line for item in (o, o.data)):
+            return "have the property vxs_cast_shadow"
+        if not self.movers.isdisjoint(line):
+            return "are movers"
+        if any(is_deformed(o) for o in line):
+            return "are deformed by an armature"
+        if self.settings.leave_out_animated and any(is_animated(o) for o in line):
+            return "are animated"
+        return ""

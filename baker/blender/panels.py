@@ -1,0 +1,117 @@
+# The panels of the scene's render properties, of lights and of objects.
+# SPDX-License-Identifier: GPL-3.0-or-later
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+
+
+def draw_detail(layout: bpy.types.UILayout, settings: Any) -> None:
+    layout.prop(settings, "detail")
+    if settings.detail != "SCENE":
+        layout.prop(settings, "texel" if settings.detail == "TEXEL" else "resolution")
+
+
+class PropertiesPanel(bpy.types.Panel):
+    bl_label = "Baked Shadows"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_options = {"DEFAULT_CLOSED"}
+
+
+class VXS_PT_scene(PropertiesPanel):
+    bl_idname = "VXS_PT_scene"
+    bl_context = "render"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, settings = self.layout, context.scene.vxs
+        layout.use_property_split, layout.use_property_decorate = True, False
+        draw_detail(layout, settings)
+        for name in ("region", "movers", "leave_out_animated", "blend", "closed", "pack", "if_changed", "filepath"):
+            layout.prop(settings, name)
+
+
+class VXS_PT_bake(PropertiesPanel):
+    """The button, what it is doing, and what came of it."""
+    bl_idname = "VXS_PT_bake"
+    bl_label = "Bake"
+    bl_parent_id = "VXS_PT_scene"
+    bl_context = "render"
+    bl_options = set()
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, state = self.layout, context.window_manager.vxs
+        if state.is_running:
+            row = layout.row(align=True)
+            row.prop(state, "share", text=state.doing or "baking", slider=True)
+            row.operator("vxs.cancel", text="", icon="X")
+        else:
+            layout.operator("vxs.bake", icon="RENDER_STILL")
+        for line in state.result.splitlines():
+            layout.label(text=line)
+        for index, message in enumerate(state.messages):
+            self.draw_message(layout, context, index, message)
+
+    def draw_message(self, layout: bpy.types.UILayout, context: bpy.types.Context, index: int, message: Any) -> None:
+        box = layout.box()
+        row = box.row()
+        column = row.column(align=True)
+        column.scale_y = 0.8
+        icon = "INFO" if message.level == "INFO" else "ERROR"
+        for line in wrapped(message.text, max(20, int(context.region.width / context.preferences.system.ui_scale / 7) - 8)):
+            column.label(text=line, icon=icon)
+            icon = "BLANK1"
+        if len(message.named):
+            row.operator("vxs.select_named", text="", icon="RESTRICT_SELECT_OFF").index = index
+
+
+class VXS_PT_light(PropertiesPanel):
+    bl_idname = "VXS_PT_light"
+    bl_context = "data"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return context.light is not None and context.light.type != "AREA"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, settings = self.layout, context.light.vxs
+        layout.use_property_split, layout.use_property_decorate = True, False
+        layout.prop(settings, "bake")
+        column = layout.column()
+        column.active = settings.bake
+        draw_detail(column, settings)
+
+
+class VXS_PT_object(PropertiesPanel):
+    bl_idname = "VXS_PT_object"
+    bl_context = "object"
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return context.object is not None and context.object.type in ("MESH", "CURVE", "SURFACE", "FONT", "META", "EMPTY")
+
+    def draw(self, context: bpy.types.Context) -> None:
+        self.layout.prop(context.object.vxs, "casts")
+
+
+def wrapped(text: str, width: int) -> list[str]:
+    lines = [""]
+    for word in text.split():
+        if lines[-1] and len(lines[-1]) + 1 + len(word) > width:
+            lines.append("")
+        lines[-1] += (" " if lines[-1] else "") + word
+    return lines
+
+
+CLASSES = (VXS_PT_scene, VXS_PT_bake, VXS_PT_light, VXS_PT_object)
+
+
+def register() -> None:
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister() -> None:
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)
