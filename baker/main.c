@@ -13,8 +13,8 @@
 #include "baker/command/process/process.h"
 
 static const command_entry commands[] = {
-    {"bake", cmd_bake},         {"plan", cmd_plan},   {"merge", cmd_merge}, {"info", cmd_info},
-    {"validate", cmd_validate}, {"query", cmd_query}, {"view", cmd_view},   {NULL, NULL},
+    {"bake", cmd_bake},   {"plan", cmd_plan}, {"merge", cmd_merge},   {"info", cmd_info}, {"validate", cmd_validate},
+    {"query", cmd_query}, {"view", cmd_view}, {"export", cmd_export}, {NULL, NULL},
 };
 
 /* Command after c: the product's commands first, then the laboratory's. c NULL: the first one. Returns NULL after the last. */

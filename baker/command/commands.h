@@ -15,5 +15,6 @@ int cmd_validate(int argc, char **argv);
 int cmd_query(int argc, char **argv);
 int cmd_plan(int argc, char **argv);
 int cmd_view(int argc, char **argv);
+int cmd_export(int argc, char **argv);
 
 #endif

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import re
 
-COMMANDS = ["bake", "plan", "merge", "info", "validate", "query", "view", "truth", "compare", "bench", "report", "render", "health", "mend", "scene"]
+COMMANDS = ["bake", "plan", "merge", "info", "validate", "query", "view", "export", "truth", "compare", "bench", "report", "render", "health", "mend", "scene"]
 
 
 def rows(vxs, command):

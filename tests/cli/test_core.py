@@ -10,7 +10,7 @@ import pytest
 from conftest import EVERY, ROOT
 from small_scene import write
 
-PRODUCT = ["bake", "plan", "merge", "info", "validate", "query", "view"]
+PRODUCT = ["bake", "plan", "merge", "info", "validate", "query", "view", "export"]
 LABORATORY = ["truth", "compare", "bench", "report", "render", "health", "mend", "scene"]
 FOREIGN = re.compile(r"embree|osmesa|libegl|libgl\b|libmpi|openexr", re.I)
 
