@@ -54,7 +54,7 @@ static vxs_result bake_points(vxs_points_view *view, const casters *c, uint32_t 
 }
 
 /* The renderer's name if nothing was rendered. */
-#define SPARSE_RENDERER "nobody: straight from triangles"
+#define SPARSE_RENDERER "none: straight from triangles"
 
 /* pictures -------------------------------------------------------------------------------------------------------------------- */
 

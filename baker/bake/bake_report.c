@@ -49,7 +49,7 @@ vxs_result bake_report_begin(bake_report *report, const scene *s, const casters 
         int is_chosen = 0;
         for (size_t k = 0; k < plan->light_count; k++)
             is_chosen |= !strncmp(s->lights[n].name, plan->lights[k].name, VXS_LIGHT_NAME_BYTES - 1);
-        if (!is_chosen) leave_out(report, s->lights[n].name, s->lights[n].dark ? "dark" : "not asked for");
+        if (!is_chosen) leave_out(report, s->lights[n].name, s->lights[n].dark ? "dark" : "not requested");
     }
     for (size_t n = 0; n < s->lost_light_count; n++)
         leave_out(report, s->lost_lights[n].name, s->lost_lights[n].why ? "cannot be baked" : "hidden");

@@ -42,7 +42,7 @@ static int fly(vxs_stream *stream, const char *prefix)
         eye_ws[1] = 20;
         eye_ws[2] = middle_ws[2];
 
-        /* the frame boundary: what has come appears, what is near is asked for; only here nobody may look up */
+        /* the frame boundary: what has come appears, what is near is requested; no thread may look up meanwhile */
         vxs_stream_focus  eye    = vxs_stream_camera(eye_ws, metres / 8);
         vxs_stream_status status = {.struct_size = sizeof status};
         vxs_stream_frame(stream, &eye, 1, &status);

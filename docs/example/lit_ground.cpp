@@ -47,7 +47,7 @@ int main(int argc, char **argv)
     for (int step = -4; step <= 4; step++) {
         const point here_ws{{12.0 * step, 0.05, 0}};
         const auto  eye = vxs_stream_camera(here_ws.data(), 50);
-        vxs_stream_frame(stream.get(), &eye, 1, nullptr); /* asks for what is near, */
+        vxs_stream_frame(stream.get(), &eye, 1, nullptr); /* requests what is near, */
         vxs_stream_wait(stream.get());                    /* a game would draw meanwhile, */
         vxs_stream_frame(stream.get(), &eye, 1, nullptr); /* and what has come appears */
         std::printf("x = %3.0f m:", here_ws[0]);

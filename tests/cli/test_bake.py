@@ -447,7 +447,7 @@ def test_the_report_says_what_was_left_out(bake, tmp_path):
     scene = small_scene.write(tmp_path / "lights.gltf", lights=lights)
     assert bake(scene, *SMALL)["lights_left_out"] == []
     assert bake(scene, *SMALL, "--light", "moon")["lights_left_out"] == [
-        {"name": "sun", "why": "not asked for"}, {"name": "lamp", "why": "not asked for"}]
+        {"name": "sun", "why": "not requested"}, {"name": "lamp", "why": "not requested"}]
 
 
 def test_the_report_counts_tiles_without_casters(bake, tmp_path):

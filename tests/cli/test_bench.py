@@ -379,9 +379,9 @@ def test_machines_and_cells_that_differ(against, measured):
     (["--sun", "1,2"], "--sun 1,2: expected 3 numbers"),
     (["--sun", "0,-1,0", "--sun", "sun=1,-1,0"], "--sun is given twice for 'sun'"),
     (["--resolution", "sun=100"], "--resolution sun=100: expected a power of two"),
-    (["--resolution", "sun=64", "--resolution", "sun=064"], "asked for twice"),
+    (["--resolution", "sun=64", "--resolution", "sun=064"], "given twice"),
     (["--region", "0,0,0,0,1,1"], "--region: the minimum must be less"),
-    (["--resolution", 64, "--resolution", "0064"], "asked for twice"),
+    (["--resolution", 64, "--resolution", "0064"], "given twice"),
     (["--filter", 4], "--filter 4: expected an odd number"),
     (["--filter", 19], "--filter 19"),
     (["--runs", 0], "--runs 0"),
@@ -397,7 +397,7 @@ def test_command_line_is_checked(rejected, arguments, words):
 def test_operands_are_checked(vxs, rejected, folder, tmp_path, temporary):
     assert "bench needs -o" in vxs("bench", folder / "small.gltf", status=2).stderr
     assert "SCENE is missing" in vxs("bench", "-o", tmp_path / "b.json", status=2).stderr
-    assert "asked for twice" in rejected(2, scenes=("small.gltf", "small.gltf"))
+    assert "given twice" in rejected(2, scenes=("small.gltf", "small.gltf"))
     assert "is the input itself" in vxs("bench", folder / "small.gltf", "-o", folder / "small.gltf", status=2).stderr
 
 

@@ -151,7 +151,7 @@ def test_hidden_nodes_are_left_out_and_said(vxs, tmp_path):
     assert vxs("query", out, input="0 0.1 0\n3 0.1 0\n").stdout == "1\n1\n"
     plan = vxs("plan", path, *SMALL, "--json", "-")
     validator("plan").validate(json.loads(plan.stdout))
-    assert "1 left out: 0 that nobody asked for, 0 that reach no caster, 1 that are dark, hidden or faulty" in vxs("plan", path, *SMALL, "--verbose").stdout
+    assert "1 left out: 0 not requested, 0 that reach no caster, 1 that are dark, hidden or faulty" in vxs("plan", path, *SMALL, "--verbose").stdout
     assert vxs("truth", path, input="0 0.1 0\n3 0.1 0\n").stdout == "1\n1\n"
     assert "12 triangles in 1 components" in vxs("health", path).stdout
     assert "the light of node 4 is hidden" in vxs("bake", path, "-o", out, "--light", "lamp off", status=2).stderr

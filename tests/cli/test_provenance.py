@@ -301,7 +301,7 @@ def test_info_of_what_was_asked_for(vxs, scene, tmp_path):
     assert lines(vxs("info", tmp_path / "b.vxs").stdout) == said
 
     vxs("bake", far, "-o", tmp_path / "a.vxs", *SMALL, "--light", "lamp")
-    assert lines(vxs("info", tmp_path / "a.vxs").stdout)["left out"] == ["light sun: not asked for", "light bulb: not asked for"]
+    assert lines(vxs("info", tmp_path / "a.vxs").stdout)["left out"] == ["light sun: not requested", "light bulb: not requested"]
 
 
 def test_options_of_info_are_those_of_a_shell(vxs, scene, tmp_path):

@@ -241,7 +241,7 @@ def test_smoke_that_covers_everything(vxs_path, level, tmp_path):
         return line
 
     assert first_warning("--width", 16, "--height", 16) == ("vxs: warning: smoke: 3000 capsules cover 1.97e+08 texels of the map of light noon: it has "
-                                                            "149 x 149 curves in place of 256 x 256, unless --smoke-side asks for more\n")
+                                                            "149 x 149 curves in place of 256 x 256, unless --smoke-side is larger\n")
     assert first_warning("--width", 16, "--height", 16, "--smoke-side", 300) == (
         "vxs: warning: smoke: 3000 capsules cover 2.7e+08 texels of the map of light noon, which takes long: --smoke-side below 300 takes less\n")
     assert first_warning("--width", 1024, "--height", 768, "--samples", 1, "--smoke-side", 16) == (

@@ -53,7 +53,7 @@ def test_a_bake_says_the_essential(vxs, folder, monkeypatch):
     monkeypatch.chdir(folder)
     done = vxs("bake", "three.gltf", "-o", "b.vxs", *SMALL, "--light", "noon", "--light", "up")
     assert has_lines(done.stdout, r"scene +three.gltf: 24 triangles, 100 % of them in solids",
-                     r"light +noon; 64 x 64 texels of 0\.[23]\d+ m", r"left out +morning: not asked for",
+                     r"light +noon; 64 x 64 texels of 0\.[23]\d+ m", r"left out +morning: not requested",
                      r"left out +up: reaches no caster",
                      rf"file +b.vxs: {(folder / 'b.vxs').stat().st_size} B; depth maps are [\d.]+ times that",
                      r"time +[\d.]+ s, [\d.]+ of it [a-zA-Z ]+; memory [\d.]+ MiB")
@@ -68,7 +68,7 @@ def test_many_lights_have_a_line(vxs, tmp_path):
     assert re.search(r"^lights +42: lamp of the street number 0 and 41 more; 8 x 8 texels each$", text, re.MULTILINE)
     text = vxs("plan", tmp_path / "many.gltf", "--resolution", 8, "--light", "bulb").stdout
     assert re.search(r"\nlight        bulb; 8 x 8 texels, six maps, of [\d.]+ to [\d.]+ m at casters, median [\d.]+ m\n"
-                     r"left out     lamp of the street number 0 and 40 more: not asked for\n", text)
+                     r"left out     lamp of the street number 0 and 40 more: not requested\n", text)
     text = vxs("plan", tmp_path / "many.gltf", "--texel", 0.26, "--light", "slant", "--light", "lamp of the street number 0").stdout
     assert re.search(r"^lights +2: slant and 1 more; 64 to 128 texels a side$", text, re.MULTILINE)
 
@@ -76,7 +76,7 @@ def test_many_lights_have_a_line(vxs, tmp_path):
 def test_a_plan_says_the_essential(vxs, folder, monkeypatch):
     monkeypatch.chdir(folder)
     text = vxs("plan", "three.gltf", *SMALL, "--light", "noon", "--light", "morning").stdout
-    assert has_lines(text, r"scene .*", r"lights +2: noon, morning; 64 x 64 texels each", r"left out +up: not asked for",
+    assert has_lines(text, r"scene .*", r"lights +2: noon, morning; 64 x 64 texels each", r"left out +up: not requested",
                      r"estimate +[\d.e-]+ s, .* of memory, a file of .*, .* when loaded")
 
 

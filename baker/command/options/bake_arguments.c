@@ -45,7 +45,7 @@ static vxs_result choose_maps(bake_arguments *a, run_context *m)
     int wanted = a->o.gl != GL_BACKEND_OSMESA;
     if (a->o.maps == MAPS_AUTO) a->o.maps = wanted ? MAPS_GL : MAPS_SPARSE;
     if (a->o.maps == MAPS_GL && leaves_more_free(&a->o))
-        return fail(m, VXS_E_ARGUMENT, "%s asks what lies behind surfaces, which depth maps do not show: expected --maps sparse%s",
+        return fail(m, VXS_E_ARGUMENT, "%s needs what lies behind surfaces, which depth maps do not show: expected --maps sparse%s",
                     a->o.behind == BEHIND_FREE ? "--behind free" : "--thickness", wanted ? ", and no --gl" : "");
     return VXS_OK;
 }
@@ -190,18 +190,18 @@ void bake_arguments_init(bake_arguments *a, const char *name, const char *synops
         {"--smoke-nodes", OPTION_U32, &a->o.smoke.nodes, 4, VXS_SMOKE_NODES_MAX, NULL, "N",
          "nodes of a curve at most, 4 to 16 (default 8)", &a->smoke_given},
         {"--smoke-error", OPTION_F64, &a->o.smoke.error, 0, 1, NULL, "T",
-         "a curve needs no more nodes than bring it so near to what is left of the light (default 0.005)", &a->smoke_given},
+         "nodes are added to a curve until its error, a share of the light, is at most this (default 0.005)", &a->smoke_given},
         {"--maps", OPTION_CHOICE, &a->o.maps, 0, 0, MAPS_CHOICES, NULL,
          "where depths come from: rendered with OpenGL, or straight from the triangles; auto: sparse, unless --gl "
-         "asks for depth maps (default auto)",
+         "is given (default auto)",
          NULL},
         {"--gl", OPTION_CHOICE, &a->o.gl, 0, 0, GL_CHOICES, NULL, "OpenGL by OSMesa, or by EGL for a GPU (default osmesa)", NULL},
         {"--exit", OPTION_CHOICE, &a->o.exit, 0, 0, EXIT_CHOICES, NULL,
          "exit depth of solids: peeled, or the nearest back face; auto: peeled where solids meet (default auto)", NULL},
         {"--behind", OPTION_CHOICE, &a->o.behind, 0, 0, BEHIND_CHOICES, NULL,
-         "what lies behind the last surface of the scene: in shadow, or left open, as nobody asks there (default shadow)", NULL},
+         "behind the last surface on a light's ray: shadow, or don't-care voxels, which make files smaller (default shadow)", NULL},
         {"--thickness", OPTION_F64, &a->o.thickness_metres, 1e-9, 1e9, NULL, "METRES",
-         "single-sided sheets that face the light are so thick, or as what lies behind them leaves room", NULL},
+         "thickness of single-sided sheets that face the light; it ends at the next surface (default none)", NULL},
         {"--closed", OPTION_CHOICE, &a->o.closed, 0, 0, CLOSED_CHOICES, NULL,
          "solids: by the rules, all that is closed, none (default auto)", NULL},
         {"--coding", OPTION_CHOICE, &a->o.coding, 0, 0, CODING_CHOICES, NULL,

@@ -194,13 +194,13 @@ static const struct {
 } statuses[] = {
     {0, "Done."},
     {1, "It worked, and what it looked at is wrong; with --strict, a warning."},
-    {2, "The command line is wrong, or asks for a light or scene that is not there."},
+    {2, "The command line is wrong, or names a light or scene that does not exist."},
     {3, "An input cannot be read: no such file, of another kind, or broken."},
     {4, "An output cannot be written."},
     {5, "There is nothing to bake: no triangle, no light, or none that reaches a triangle."},
     {6, "Not enough memory, or no OpenGL."},
     {130, "Interrupted (SIGINT)."},
-    {141, "Nobody reads the answers of query or truth any more."},
+    {141, "The reader of answers of query or truth has gone."},
 };
 
 /* Print text literally: escape dashes, which would become hyphens, and marks that start roff requests. */

@@ -63,7 +63,7 @@ static void decide_exit(decision_list *l, const bake_plan *plan, const bake_opti
         decide(l, "exit map", "none", "no component is solid: light leaves a sheet where it enters");
         return;
     }
-    decide(l, "exit map", "made", "%zu solids with %zu triangles have an inside that nobody asks about", solids,
+    decide(l, "exit map", "made", "%zu solids with %zu triangles have an inside, where voxels are don't-care", solids,
            c->solid_triangle_count);
     if (o->maps == MAPS_SPARSE) {
         decide(l, "peeling", "nowhere", "--maps sparse: faces are counted where a tile is looked at texel by texel");
@@ -97,19 +97,19 @@ static void decide_memory(decision_list *l, const bake_plan *plan)
 static void decide_lights(decision_list *l, const bake_plan *plan, const bake_report *report)
 {
     char   choice[64];
-    size_t nothing = plan->light_count - plan->baked_count, unasked = 0;
+    size_t nothing = plan->light_count - plan->baked_count, unrequested = 0;
     snprintf(choice, sizeof choice, "%zu baked", plan->baked_count);
-    for (size_t n = 0; n < report->left_out_count; n++) unasked += !strcmp(report->left_out[n].why, "not asked for");
-    size_t others = report->left_out_count - nothing - unasked;
+    for (size_t n = 0; n < report->left_out_count; n++) unrequested += !strcmp(report->left_out[n].why, "not requested");
+    size_t others = report->left_out_count - nothing - unrequested;
     if (!report->left_out_count)
         decide(l, "lights", choice, "none is left out");
     else if (!others)
-        decide(l, "lights", choice, "%zu left out: %zu that nobody asked for, %zu that reach no caster", report->left_out_count,
-               unasked, nothing);
+        decide(l, "lights", choice, "%zu left out: %zu not requested, %zu that reach no caster", report->left_out_count,
+               unrequested, nothing);
     else
         decide(l, "lights", choice,
-               "%zu left out: %zu that nobody asked for, %zu that reach no caster, %zu that are dark, hidden or faulty",
-               report->left_out_count, unasked, nothing, others);
+               "%zu left out: %zu not requested, %zu that reach no caster, %zu that are dark, hidden or faulty",
+               report->left_out_count, unrequested, nothing, others);
 }
 
 /* The decisions, and the reason of each. */

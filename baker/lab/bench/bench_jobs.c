@@ -125,7 +125,7 @@ static vxs_result require_different(const json_t *cells, run_context *m)
         json_t    *key  = json_pack("[O, O]", json_object_get(cell, "scene"), json_object_get(cell, "options"));
         char      *text = json_print(key, JSON_COMPACT | JSON_SORT_KEYS | JSON_REAL_PRECISION(9));
         vxs_result r    = text ? fail(m, VXS_E_ARGUMENT,
-                                      "asked for twice: %s: expected scenes of different names and different values of options", text)
+                                      "given twice: %s: expected scenes of different names and different values of options", text)
                                : no_memory(m);
         free(text);
         json_decref(key);

@@ -253,7 +253,7 @@ static vxs_result run(void *command, run_context *m)
      "(default 64)",                                                                                                               \
      &(c).area_given},                                                                                                             \
     {"--area-gather", OPTION_CHOICE, &(c).options.area_gather, 0, 0, AREA_GATHER_CHOICES, NULL,                                    \
-     "of virtual lights a sample asks each, a ninth, or each for one sample in four (default quarter)", &(c).gather_given},        \
+     "a sample looks up every virtual light, a ninth of them, or every one for one sample in four (default quarter)", &(c).gather_given},        \
     {"--sky", OPTION_INPUT, &(c).sky_path, FILE_PICTURE, 0, NULL, "FILE",                                                          \
      "with OpenGL: a map of the sky that lights surfaces and fog, by as many virtual lights as --area says, and is seen: .hdr "    \
      "or PNG, twice as wide as high",                                                                                              \
@@ -339,7 +339,8 @@ int cmd_render(int argc, char **argv)
                    "PNG",
               NULL},
              FRAME_ROWS(c),
-             {"--gl", OPTION_CHOICE, &o->backend, 0, 0, "osmesa|egl", NULL, "whose OpenGL draws (default osmesa)", NULL},
+             {"--gl", OPTION_CHOICE, &o->backend, 0, 0, "osmesa|egl", NULL, "OpenGL by OSMesa, or by EGL for a GPU (default osmesa)",
+              NULL},
              SCENE_ROWS(c.choice),
              {"--threads", OPTION_U32, &o->threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "threads (default all processors)", NULL},
     };

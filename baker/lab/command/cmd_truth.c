@@ -141,7 +141,7 @@ int cmd_truth(int argc, char **argv)
         {"--sun", OPTION_NAMED_VECTOR, &o.suns, 0, 3, SUN_NAME, "[NAME=]X,Y,Z",
          "add a light that travels this way, named sun or NAME; repeat for more", NULL},
         {"--like", OPTION_INPUT, &o.like_path, FILE_ASSET, 0, NULL, "FILE.vxs",
-         "ask as a lookup in this file does: its lights, its volumes, its voxels", NULL},
+         "answer as a lookup in this file: its lights, its volumes, its voxels", NULL},
         FILTER_ROWS(o.filter, "with --like: the mean of K x K rays, K odd, 1 to 17 texels (default 1)"),
         SCENE_ROWS(o.choice),
         {"--threads", OPTION_U32, &o.threads, 1, PARALLEL_THREADS_MAX, NULL, "N", "threads (default all processors)", NULL},

@@ -154,8 +154,8 @@ static void print_light(FILE *to, const compare_report *r, const vxs_light *l, c
     }
     for (int kind = 0; kind < kind_count(r); kind++)
         if (result->counts[kind].left_free)
-            fprintf(to, "  %-9s %10llu besides: lit where no light comes, as the bake was asked to leave it open\n",
-                    kind_names[kind], (unsigned long long)result->counts[kind].left_free);
+            fprintf(to, "  %-9s %10llu besides: lit where no light comes, where the bake had don't-care voxels\n", kind_names[kind],
+                    (unsigned long long)result->counts[kind].left_free);
     if (wrong)
         fprintf(to, "  %-9s %10s %10s %10s %11s %9s %9s   texels from a wrong answer to the nearest boundary\n", "wrong", "found",
                 "beyond", "mean", "median", "95 %", "most");

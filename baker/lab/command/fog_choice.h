@@ -31,7 +31,7 @@ typedef struct fog_choice {
     {"--fog-top", OPTION_F64, &(choice).top_metres, -1e7, 1e7, NULL, "Y",                                                          \
      "fog lies on the ground, to this height (default everywhere)", &(choice).top_given},                                          \
     {"--fog-by", OPTION_CHOICE, &(choice).by, 0, 0, FOG_BY_CHOICES, NULL,                                                          \
-     "with OpenGL: questions at even steps of each ray, or at steps that scatter alike; what is lit, exactly; a mesh of what is lit, made once; or a "  \
+     "with OpenGL: lookups at even steps of each ray, or at steps that scatter alike; what is lit, exactly; a mesh of what is lit, made once; or a "  \
      "grid of light rays (default intervals)", &(choice).by_given},     \
     {"--fog-steps", OPTION_U32, &(choice).steps, 1, 65536, NULL, "N",                                                              \
      "of march or angles, and of lights that smoke dims or that see what moves, 1 to 65536 (default 64)", &(choice).steps_given},  \

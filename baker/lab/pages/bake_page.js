@@ -161,7 +161,7 @@ function sheet_hint() {
     const casters = report.casters, sheets = casters.triangles - casters.solids.triangles;
     const [kind, most] = Object.entries(casters.sheets).reduce((a, b) => b[1].triangles > a[1].triangles ? b : a);
     return sheets >= casters.triangles / 20 && [
-        `${percent(sheets / casters.triangles)} of the triangles are sheets. Only solids have an inside that nobody asks about, where the `
+        `${percent(sheets / casters.triangles)} of the triangles are sheets. Only solids have an inside, where voxels are don't-care: the `
         + `builder is free to choose what repeats. Most of these, ${count(most.triangles)}, are ${kind}: `, code("vxs health"),
         " names them, and ", code("vxs mend"), " closes what can be closed."];
 }

@@ -55,7 +55,7 @@ static void fog_plan_savings(const fog_plan *plan, fog_by by, uint32_t light_cou
         snprintf(what, sizeof what, "%u of %u meshes", light_count - plan->meshes_made, light_count);
         if (plan->meshes_made < light_count) leave_out(&next, what, "their lights have not been drawn");
     } else if (!plan->shadow_depth_maps)
-        leave_out(&next, "shadow depth maps", "nothing moves: the file is asked where shadow begins");
+        leave_out(&next, "shadow depth maps", "nothing moves: where shadow begins is looked up in the file");
 }
 
 /* text ------------------------------------------------------------------------------------------------------------------------- */

@@ -150,7 +150,7 @@ static uint32_t choose_side(const smoke_pass *p, const vxs_light *light, run_con
     if (side < asked)
         warn(m,
              "smoke: %u capsules cover %.3g texels of the map of light %s: it has %u x %u curves in place of %u x %u, unless "
-             "--smoke-side asks for more",
+             "--smoke-side is larger",
              p->options.smoke->count, covered, light->name, side, side, asked, asked);
     else
         warn(m, "smoke: %u capsules cover %.3g texels of the map of light %s, which takes long: --smoke-side below %u takes less",
@@ -233,7 +233,7 @@ vxs_result smoke_pass_draw(smoke_pass *p, const double eye_ws[3], const camera_v
         if (cull_result != SMOKE_DIMS) continue;
         int32_t layer = p->layer_of[n];
         result        = vxs_volumes_transmittance(p->volumes, p->maps[layer], p->pictures[layer], VXS_CURVE_LINES);
-        if (result != VXS_OK) return fail(m, result, "a map of smoke cannot be asked: %s", vxs_result_text(result));
+        if (result != VXS_OK) return fail(m, result, "a map of smoke cannot be made: %s", vxs_result_text(result));
     }
     return VXS_OK;
 }
