@@ -14,7 +14,7 @@ web.out    := $P/runtime
 zstd.src   := $W/sources/zstd/lib
 xxhash.src := $W/sources/xxhash
 
-web.c      := runtime/web/vxs_web.c $(runtime.c)
+web.c      := runtime/web/vxs_web.c runtime/web/exponential.c $(runtime.c)
 web.zstd   := $(addprefix $(zstd.src)/,decompress/huf_decompress.c decompress/zstd_ddict.c decompress/zstd_decompress.c \
               decompress/zstd_decompress_block.c common/entropy_common.c common/error_private.c common/fse_decompress.c common/zstd_common.c common/xxhash.c)
 # SIMD, i32.popcnt, conversions that saturate: what browsers have since 2021
@@ -23,17 +23,17 @@ web.flags  := -std=c11 -D_GNU_SOURCE $(web.cpu) -ffp-contract=off -DNDEBUG -DVXS
               -I. -Iformats -Iruntime -I$(zstd.src) -I$(xxhash.src) -Wall -Wextra -Wshadow -Wpointer-arith -MMD -MP
 web.zflags := $(web.cpu) -DNDEBUG -DZSTD_DISABLE_ASM -DZSTD_LEGACY_SUPPORT=0 -DZSTD_STRIP_ERROR_STRINGS -DHUF_FORCE_DECOMPRESS_X1 \
               -DZSTD_FORCE_DECOMPRESS_SEQUENCES_SHORT -DZSTD_NO_INLINE -DXXH_NO_INLINE_HINTS=0 -w -MMD -MP
-# Small, except for what most lookups of many points run; there, loops of a few rounds stay loops
+# Small, except for lookups; there, loops of a few rounds stay loops
 web.loops  := -O2 -fno-unroll-loops -fno-vectorize -fno-slp-vectorize
 web.opt     = -Oz
-$(addprefix $(web.o)/runtime/,lookup_many.o taps_many.o): web.opt = $(web.loops)
+$(addprefix $(web.o)/runtime/,lookup.o lookup_many.o taps_many.o): web.opt = $(web.loops)
 # stack-first: an overflow of the stack traps
 web.link   := -Oz $(web.cpu) --no-entry -sSTANDALONE_WASM -sALLOW_MEMORY_GROWTH -sINITIAL_MEMORY=1MB -sMAXIMUM_MEMORY=4GB -sTOTAL_STACK=128KB -sMALLOC=emmalloc \
               -sFILESYSTEM=0 -sERROR_ON_UNDEFINED_SYMBOLS=0 -sWARN_ON_UNDEFINED_SYMBOLS=0 -Wl,-u,calloc,--stack-first -sEXPORTED_FUNCTIONS=_malloc,_free
 
 # functions of a few instructions are inlined, which makes the file smaller, too; emcc -Oz inlines none
 web.inline := --enable-simd --enable-bulk-memory --enable-sign-ext --enable-nontrapping-float-to-int --enable-mutable-globals \
-              -aimfs 17 -fimfs 1 -ocimfs 17 --inlining-optimizing -Oz --converge
+              -aimfs 8 -fimfs 1 -ocimfs 8 --inlining-optimizing -Oz --converge
 
 
 web.objects := $(web.c:%.c=$(web.o)/%.o)

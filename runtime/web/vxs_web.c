@@ -33,10 +33,14 @@ static void found(void *user, int number, const char *text, int section, uint64_
     e->offset_bytes = (double)offset;
 }
 
+/* The results that come without a finding have texts of their own: vxs_result_text() also has those of bakes. */
 static void *keep_error(web_error *error, vxs_result result, void *object)
 {
     error->result = result;
-    if (!error->text) error->text = vxs_result_text(result);
+    if (!error->text)
+        error->text = result == VXS_E_MEMORY     ? "out of memory"
+                      : result == VXS_E_ARGUMENT ? "an argument is outside its range"
+                                                 : "a file cannot be read";
     return object;
 }
 
