@@ -23,10 +23,11 @@ web.flags  := -std=c11 -D_GNU_SOURCE $(web.cpu) -ffp-contract=off -DNDEBUG -DVXS
               -I. -Iformats -Iruntime -I$(zstd.src) -I$(xxhash.src) -Wall -Wextra -Wshadow -Wpointer-arith -MMD -MP
 web.zflags := $(web.cpu) -DNDEBUG -DZSTD_DISABLE_ASM -DZSTD_LEGACY_SUPPORT=0 -DZSTD_STRIP_ERROR_STRINGS -DHUF_FORCE_DECOMPRESS_X1 \
               -DZSTD_FORCE_DECOMPRESS_SEQUENCES_SHORT -DZSTD_NO_INLINE -DXXH_NO_INLINE_HINTS=0 -w -MMD -MP
-# Small, except for lookups; there, loops of a few rounds stay loops
+# Small, except for lookups and the decoder of pages; there, loops of a few rounds stay loops
 web.loops  := -O2 -fno-unroll-loops -fno-vectorize -fno-slp-vectorize
 web.opt     = -Oz
 $(addprefix $(web.o)/runtime/,lookup.o lookup_many.o taps_many.o): web.opt = $(web.loops)
+$(web.o)/formats/vxs_page_decode.o: web.opt = $(web.loops) -fno-inline-functions
 # stack-first: an overflow of the stack traps
 web.link   := -Oz $(web.cpu) --no-entry -sSTANDALONE_WASM -sALLOW_MEMORY_GROWTH -sINITIAL_MEMORY=1MB -sMAXIMUM_MEMORY=4GB -sTOTAL_STACK=128KB -sMALLOC=emmalloc \
               -sFILESYSTEM=0 -sERROR_ON_UNDEFINED_SYMBOLS=0 -sWARN_ON_UNDEFINED_SYMBOLS=0 -Wl,-u,calloc,--stack-first -sEXPORTED_FUNCTIONS=_malloc,_free
