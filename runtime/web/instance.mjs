@@ -61,6 +61,12 @@ export class Heap {
     return at;
   }
 
+  /** What a function of C returns and counts: [index in u32, count]. */
+  counted(call, of) {
+    const first = call(of, this.scratch) >>> 2;
+    return [first, this.u32[this.scratch / 4]];
+  }
+
   text(at) {
     at >>>= 0;
     return new TextDecoder().decode(this.u8.slice(at, this.u8.indexOf(0, at)));

@@ -134,8 +134,8 @@ export class Light extends CoreLight {
   smokeWords() {
     const smoke = this.#smoke, { heap } = this.owner;
     if (!smoke) return null;
-    const first = heap.c.web_smoke_words(smoke) >>> 2;
-    return heap.u32.slice(first, first + heap.c.web_smoke_word_count(smoke));
+    const [first, count] = heap.counted(heap.c.web_smoke_words, smoke);
+    return heap.u32.slice(first, first + count);
   }
 }
 

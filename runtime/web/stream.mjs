@@ -200,7 +200,7 @@ export class Stream extends Opened {
     const { web_stream_light_count: lightCount, web_stream_light: light, web_stream_metadata: metadata } = heap.c;
     super(heap, handle, close, net, { lightCount, light, metadata }, Light);
     this.#source = source;
-    this.wordCount = heap.c.web_stream_word_count(handle);
+    [, this.wordCount] = heap.counted(heap.c.web_stream_words, handle);
     this.ranges = !source.file.whole;
     for (const each of this.lights) each.firstWord = heap.c.web_stream_first_word(handle, each.index);
   }
@@ -247,13 +247,13 @@ export class Stream extends Opened {
     const { heap, handle } = this;
     integer(firstWord, 0, this.wordCount, 'firstWord');
     integer(count, 0, this.wordCount - firstWord, 'count');
-    const first = (heap.c.web_stream_words(handle) >>> 2) + firstWord;
-    return heap.u32.slice(first, first + count);
+    const [first] = heap.counted(heap.c.web_stream_words, handle);
+    return heap.u32.slice(first + firstWord, first + firstWord + count);
   }
 
   #keepChanges() {
-    const { heap, handle } = this, at = heap.c.web_stream_changes(handle) >>> 2;
-    for (let n = 0; n < heap.c.web_stream_change_count(handle); n++) {
+    const { heap, handle } = this, [at, count] = heap.counted(heap.c.web_stream_changes, handle);
+    for (let n = 0; n < count; n++) {
       this.#changed.push([...heap.u32.subarray(at + 2 * n, at + 2 * n + 2)]);
     }
     // more than all words, if the caller takes no changes

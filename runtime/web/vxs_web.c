@@ -229,14 +229,11 @@ EXPORT const vxs_baked_smoke *web_smoke(const vxs_asset *asset, uint32_t index)
     return vxs_asset_smoke(asset, index);
 }
 
-EXPORT const uint32_t *web_smoke_words(const vxs_baked_smoke *smoke)
+/* count  [out] */
+EXPORT const uint32_t *web_smoke_words(const vxs_baked_smoke *smoke, uint32_t *count)
 {
+    *count = smoke->word_count;
     return smoke->words;
-}
-
-EXPORT uint32_t web_smoke_word_count(const vxs_baked_smoke *smoke)
-{
-    return smoke->word_count;
 }
 
 EXPORT float web_smoke_lookup(const vxs_baked_light *baked, const vxs_baked_smoke *smoke, double x, double y, double z)
@@ -338,17 +335,10 @@ EXPORT uint32_t web_stream_first_word(const web_stream *s, uint32_t light)
     return vxs_stream_first_word(s->stream, light);
 }
 
-EXPORT const uint32_t *web_stream_words(const web_stream *s)
+/* count  [out] */
+EXPORT const uint32_t *web_stream_words(const web_stream *s, uint32_t *count)
 {
-    uint32_t count;
-    return vxs_stream_words(s->stream, &count);
-}
-
-EXPORT uint32_t web_stream_word_count(const web_stream *s)
-{
-    uint32_t count;
-    vxs_stream_words(s->stream, &count);
-    return count;
+    return vxs_stream_words(s->stream, count);
 }
 
 /* foci  [count]
@@ -374,18 +364,10 @@ EXPORT void web_stream_retry(web_stream *s)
     vxs_stream_retry(s->stream);
 }
 
-/* Pairs of first word and word count. */
-EXPORT const vxs_stream_range *web_stream_changes(const web_stream *s)
+/* Pairs of first word and word count.   count  [out] of pairs */
+EXPORT const vxs_stream_range *web_stream_changes(const web_stream *s, uint32_t *count)
 {
-    uint32_t count;
-    return vxs_stream_changes(s->stream, &count);
-}
-
-EXPORT uint32_t web_stream_change_count(const web_stream *s)
-{
-    uint32_t count;
-    vxs_stream_changes(s->stream, &count);
-    return count;
+    return vxs_stream_changes(s->stream, count);
 }
 
 #endif
