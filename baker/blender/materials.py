@@ -136,17 +136,16 @@ def manual_wrap(image: End) -> tuple[dict[str, int], End]:
 
 def transform_of(mapping: bpy.types.Node) -> dict[str, Any]:
     """KHR_texture_transform of a mapping node; {} for none, or one that glTF does not have."""
-    (x, y), (tilt_x, tilt_y, turn), (scale_x, scale_y) = (mapping.inputs[n].default_value[:k] for n, k in
-                                                          (("Location", 2), ("Rotation", 3), ("Scale", 2)))
+    tilt_x, tilt_y, turn = mapping.inputs["Rotation"].default_value
     if mapping.vector_type == "NORMAL" or tilt_x or tilt_y:
         return {}
+    x, y = (0.0, 0.0) if mapping.vector_type == "VECTOR" else mapping.inputs["Location"].default_value[:2]
+    scale_x, scale_y = mapping.inputs["Scale"].default_value[:2]
     if mapping.vector_type == "TEXTURE":  # the inverse
         if abs(turn) > 1e-5 and abs(scale_x - scale_y) > 1e-5 or min(abs(scale_x), abs(scale_y)) < 1e-5:
             return {}
         cos, sin = math.cos(turn), math.sin(turn)
         x, y, turn, scale_x, scale_y = (-x * cos - y * sin) / scale_x, (x * sin - y * cos) / scale_y, -turn, 1 / scale_x, 1 / scale_y
-    elif mapping.vector_type == "VECTOR":
-        x = y = 0.0
     offset = [x - scale_y * math.sin(turn), 1 - y - scale_y * math.cos(turn)]
     value = {"offset": offset, "rotation": turn, "scale": [scale_x, scale_y]}
     return {key: v for key, v in value.items() if v != {"offset": [0, 0], "rotation": 0, "scale": [1, 1]}[key]}
