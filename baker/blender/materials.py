@@ -167,6 +167,13 @@ def texture_of(color: list[End] | None, alpha: list[End] | None, is_unlit: bool)
                    uv_map=uv_map.node.uv_map if uv_map else "")
 
 
+def shown_color(material: bpy.types.Material, color: End | None) -> list[float]:
+    """For pictures alone: the color where it is one, else that of the viewport."""
+    found = source(color) if color else None
+    is_one = found and found.socket.type == "RGBA" and (not found.socket.is_output or found.node.type == "RGB")
+    return [min(max(c, 0.0), 1.0) for c in (found.socket.default_value if is_one else material.diffuse_color)[:3]]
+
+
 def transmission(shader: End) -> float:
     """The share of light that a Principled BSDF lets through, where it is one number."""
     name = "Transmission Weight" if "Transmission Weight" in shader.node.inputs else "Transmission"
@@ -187,11 +194,11 @@ def appearance(material: bpy.types.Material) -> Appearance:
     mode, cutoff, factor = alpha_by_nodes(alpha) if BLENDER_4_2 else alpha_by_settings(material, alpha)
     if shader and (share := transmission(shader)):
         value["extensions"] = {"KHR_materials_transmission": {"transmissionFactor": share}}
+    value["pbrMetallicRoughness"] = {"baseColorFactor": [*shown_color(material, color), 1.0 if mode == "OPAQUE" else factor]}
     if mode == "OPAQUE":
         return Appearance(value)
     value["alphaMode"] = mode
     if cutoff is not None:
         value["alphaCutoff"] = cutoff
-    value["pbrMetallicRoughness"] = {"baseColorFactor": [1.0, 1.0, 1.0, factor]}
     trails = [search(e, "TEX_IMAGE") if e else None for e in (color, alpha)]
     return Appearance(value, texture_of(*trails, is_unlit=bool(unlit)))
