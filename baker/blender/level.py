@@ -79,8 +79,9 @@ def uv_layer(mesh: bpy.types.Mesh, name: str) -> np.ndarray | None:
 class Gatherer:
     """Reads instances of a depsgraph, one after the other: each is valid for one step only."""
 
-    def __init__(self, depsgraph: bpy.types.Depsgraph, scene: bpy.types.Scene, level: Level) -> None:
-        self.level, self.casters = level, Casters(scene)
+    def __init__(self, depsgraph: bpy.types.Depsgraph, scene: bpy.types.Scene, level: Level, receivers: bool = False) -> None:
+        """receivers: also take what is rendered and casts no shadow."""
+        self.level, self.casters, self.receivers = level, Casters(scene), receivers
         self.surfaces: dict[tuple[int, ...], Surface] = {}
         self.looks: dict[bpy.types.Material, Appearance] = {}
         self.places: list[Place] = []
@@ -98,6 +99,7 @@ class Gatherer:
         why = NOT_BAKED.get(ob.type) or ob.type == "MESH" and self.casters.reason(instance)
         if why:
             self.level.left_out[why].add(name)
+        if why and not (self.receivers and ob.type == "MESH" and instance.show_self):
             return
         shown_by = instancer(instance)
         by = shown_by.name if shown_by else name

@@ -15,6 +15,8 @@ CLOSED = (("auto", "By the rules", "Closed meshes of one-sided materials have an
 PACK = (("small", "Small", "The fewest bytes"), ("fast", "Fast to open", "Opens six times faster, 1.6 to 1.9 times the bytes"))
 BLEND = (("auto", "Walls, and a Warning", "Walls where alpha is 0.5 or more; the bake names such materials"),
          ("mask", "Walls Where Alpha Is 0.5 or More", ""), ("opaque", "Walls", ""), ("exclude", "Nothing", ""))
+EXPORT_AS = (("EXTENSION", "Extension VXS_baked_shadows", "For three.js, by vxs/three"),
+             ("EXTRAS", "Extras", "A property vxs_shadows of the file, which more tools keep"))
 DETAIL = (("RESOLUTION", "Resolution", "Texels along a side of the map of a light"), ("TEXEL", "Texel Size", "Metres along a side of a texel"))
 
 
@@ -45,6 +47,9 @@ class VxsSceneSettings(PropertyGroup):
                              description="Keep a file that was baked from the same scene and settings")
     filepath: StringProperty(name="Output", subtype="FILE_PATH",
                              description="The file to write. Without one: that of the .blend, with .vxs")
+    export: BoolProperty(name="Baked Shadows", default=True,
+                         description="Exports of glTF bake this scene into a .vxs file beside theirs, where anything has changed")
+    export_as: EnumProperty(name="Named by", items=EXPORT_AS, description="How the exported file names the .vxs file")
 
 
 class VxsLightSettings(PropertyGroup):
@@ -77,10 +82,14 @@ class VxsState(PropertyGroup):
     messages: CollectionProperty(type=VxsMessage, options={"SKIP_SAVE"})
     result: StringProperty(options={"SKIP_SAVE"})  # lines of the last bake: size, time, memory, texels
     filepath: StringProperty(options={"SKIP_SAVE"})  # what the last bake wrote
+    check: StringProperty(options={"SKIP_SAVE"})  # lines of the last comparison with rays, and its numbers of points
+    checked: IntProperty(options={"SKIP_SAVE"})
+    differ: IntProperty(options={"SKIP_SAVE"})
+    differ_far: IntProperty(options={"SKIP_SAVE"})
 
     def clear(self) -> None:
         self.is_running = self.is_cancelled = False
-        self.share, self.doing, self.result, self.filepath = 0.0, "", "", ""
+        self.share, self.doing, self.result, self.filepath, self.check = 0.0, "", "", "", ""
         self.messages.clear()
 
 
