@@ -80,7 +80,7 @@ class Bake:
         self.state.share = progress.get("share", self.state.share)
         if "doing" in progress:
             left = progress.get("seconds_left")
-            self.state.doing = progress["doing"] + (f", {left:.0f} s left" if left is not None else "")
+            self.state.doing = progress["doing"].replace(self.level.path, "the level") + (f", {left:.0f} s left" if left is not None else "")
         return self.status is None
 
     def finish(self) -> None:
@@ -103,7 +103,7 @@ class Bake:
 
     def why(self) -> str:
         if self.run.errors:
-            return plain(self.run.errors[-1])
+            return plain(self.run.errors[-1], self.level.path)
         return f"vxs was ended by signal {-self.status}" if self.status < 0 else f"vxs failed with status {self.status}"
 
     def close(self) -> None:

@@ -11,26 +11,72 @@ from bpy.props import IntProperty
 
 from .level import Level
 
-# what vxs says of its options, and where Blender has them; the first that fits is taken
-SETTINGS = (
-    (r"--resolution \S+ takes less time and a smaller file", "a lower resolution takes less time and a smaller file"),
+CASTS = "turn off Casts Baked Shadows of"
+# what vxs says of its options and of glTF, and the words of Blender; all that fit are replaced, in this order
+WORDS = (
+    (r"\b(node|mesh|material) \d+ '", r"\1 '"),
+    (r" \(node[^)]*\)", ""),
+    (r"(material '.*); --exclude .* bakes without it", r"\1; give it the custom property vxs_cast_shadow, False"),
+    (r"--exclude (?:'[^']*'|\S+) bakes without it", f"{CASTS} it"),
+    (r"leave the others out with --exclude .*", f"{CASTS} the others"),
+    (r"give that a node of its own, and leave it out with --exclude", f"separate that from its mesh, and {CASTS} it"),
+    (r"leave (it|that|them) out with --exclude .*", rf"{CASTS} \1"),
+    (r"--region \S+, or (?:--exclude .*|leave them out)", f"choose a Region around the rest, or {CASTS} these"),
+    (r"--region touches no caster: .* m; give a box that meets them, or none",
+     "the Region touches nothing that casts shadows: move it, or choose none"),
+    (r"--resolution (?:[^;]*=)?(\d+)", r"a resolution of \1"),
+    (r"--region around", "a Region around"),
+    (r"--region", "the Region"),
+    (r"--texel ([\d.e+-]+): (.*); at least --texel .*=(\S+)", r"the Texel Size of \1 m is too small: \2; at least \3 m"),
+    (r"--texel", "Texel Size"),
+    (r"set alphaMode to (?:MASK or )?OPAQUE, or give --blend: .*", "clip its alpha, or choose what Blended Materials cast"),
+    (r"--blend exclude leaves .*", "choose what Blended Materials cast, or give it the custom property vxs_cast_shadow, False"),
+    (r"alphaMode BLEND,? is baked as a mask, a wall", "blended, is baked as a wall"),
+    (r"alphaMode BLEND, with", "blended, with"),
+    (r"lower alphaCutoff, or set alphaMode to OPAQUE", "lower the threshold of its alpha, or make it opaque"),
+    (r"leave it out with --light", "turn off its Bake Shadows"),
+    (r"set it in the scene, or --light bakes it all the same", "give it power, or turn off its Bake Shadows"),
+    (r"set their intensities, or name them with --light", "give them power, or turn off their Bake Shadows"),
+    (r"take one out of the scene, or choose with --light", "delete one, or turn off its Bake Shadows"),
+    (r"choose some with --light NAME, in several bakes", "turn off Bake Shadows of some"),
+    (r"travels upward, \(.*?\), as", "travels upward, as"),
+    (r"travels level, along -Z, .*", "travels level, and sunlight comes from above: turn it"),
+    (r": the direction is the way light travels; turn it round, or give --sun .*", ": turn it round"),
+    (r"[:;] --sun X,Y,Z gives one", ""),
+    (r"glTF is in metres; export it so, or scale its root nodes", "a unit of Blender is baked as a metre; scale the objects"),
+    (r"scale its root nodes", "scale the objects"),
+    (r"store them near it, and place them by the translation of the node", "set the object's origin to its geometry"),
+    (r"--memory (\S+(?: \w+)?)", r"the Memory of \1 in the add-on's preferences"),
+    (r"try another --resolution or --coding dag, and.*", "try another Resolution"),
+    (r"KHR_materials_(?:diffuse_)?transmission lets", "transmission lets"),
+    (r"or a node above it has", "or a parent of it has"),
+    (r"\bnode\b", "object"),
 )
 
 
-def plain(text: str) -> str:
-    """A message of vxs without options of a command line."""
-    for pattern, words in SETTINGS:
+def plain(text: str, path: str = "") -> str:
+    """A message of vxs without options of a command line. path: of the level, which the user has not seen."""
+    if path:
+        text = text.replace(f"'{path}'", "the level").replace(path, "the level")
+    for pattern, words in WORDS:
         text = re.sub(pattern, words, text)
     return text
 
 
+def names_it(text: str, name: str) -> bool:
+    """Whether a text has a name in quotes. vxs leaves out the middle of long ones."""
+    return f"'{name}'" in text or len(name.encode()) > 60 and f"'{name[:14]}" in text and f"{name[-14:]}'" in text
+
+
 def things_named(text: str, level: Level) -> Iterable[tuple[str, str]]:
-    """Kinds and names of what a message names in quotes."""
-    for name in dict.fromkeys(re.findall(r"'(.+?)'", text)):
-        if name in level.objects:
+    """Kinds and names of what a message in Blender's words names."""
+    for material in bpy.data.materials:
+        if names_it(text, material.name) and f"material '{material.name[:14]}" in text:
+            yield "MATERIAL", material.name
+            text = text.replace(f"'{material.name}'", "")
+    for name in sorted(level.objects):
+        if names_it(text, name):
             yield from (("OBJECT", ob) for ob in sorted(level.objects[name]))
-        elif name in bpy.data.materials:
-            yield "MATERIAL", name
 
 
 def tell(state: Any, level: str, text: str, named: Iterable[tuple[str, str]] = ()) -> None:
@@ -44,8 +90,8 @@ def tell(state: Any, level: str, text: str, named: Iterable[tuple[str, str]] = (
 def tell_warnings(state: Any, level: Level, warnings: list[str]) -> None:
     for text, name in level.notes:
         tell(state, "WARNING", text, [("OBJECT", name)])
-    for text in warnings:
-        tell(state, "WARNING", plain(text), things_named(text, level))
+    for text in (plain(warning, level.path) for warning in warnings):
+        tell(state, "WARNING", text, [*things_named(text, level), *(("OBJECT", name) for name in level.regions if "Region" in text)])
 
 
 def tell_left_out(state: Any, level: Level) -> None:
