@@ -8,15 +8,15 @@ import os
 import tempfile
 import time
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, Iterable
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from . import settings
 from .command import Run, VxsMissing, bake_arguments, find_vxs
-from .level import Level, write_level
-from .messages import plain, tell_left_out, tell_warnings
+from .level import write_level
+from .messages import plain, tell, tell_left_out, tell_warnings, things_named
 
 AS_SCENE = (("SCENE", "As the Scene", "As in the render properties"),)
 
@@ -53,52 +53,48 @@ class Bake:
     """One bake, from the level to the report. Its temporary folder is gone after finish() or close()."""
 
     def __init__(self, context: bpy.types.Context, chosen: Any, output: str) -> None:
-        self.output, self.state = output, context.window_manager.vxs
-        self.state.clear()
-        vxs = find_vxs(context)
+        self.output, vxs = output, find_vxs(context)
         self.folder = tempfile.TemporaryDirectory(prefix="vxs_", ignore_cleanup_errors=True)
         try:
             for ob in context.objects_in_mode_unique_data:
                 ob.update_from_editmode()
-            self.level: Level = write_level(context.evaluated_depsgraph_get(), context.scene, os.path.join(self.folder.name, "level.glb"))
+            path = os.path.join(self.folder.name, "level.glb")
+            self.level = write_level(context.evaluated_depsgraph_get(), context.scene, path, chosen.region)
             if not self.level.instances:
                 raise BakeFailed("Nothing casts shadows: no object with a surface is shown, rendered, and not left out")
             if not self.level.lights:
                 raise BakeFailed("No light is baked: add a sun, point or spot light that is rendered, and has Bake Shadows on")
             self.report = os.path.join(self.folder.name, "report.json")
-            self.run = Run(vxs, bake_arguments(context, chosen, self.level.lights, self.level.path, output, self.report))
+            self.run = Run(vxs, bake_arguments(context, chosen, self.level.lights, path, output, self.report))
         except BaseException:
             self.folder.cleanup()
             raise
-        self.state.is_running = True
 
-    def step(self) -> bool:
+    def step(self, state: Any) -> bool:
         """Take in what vxs printed. True while it runs."""
-        if self.state.is_cancelled:
+        if state.is_cancelled:
             self.run.cancel()
         self.status, progress = self.run.poll()
-        self.state.share = progress.get("share", self.state.share)
+        state.share = progress.get("share", state.share)
         if "doing" in progress:
             left = progress.get("seconds_left")
-            self.state.doing = progress["doing"].replace(self.level.path, "the level") + (f", {left:.0f} s left" if left is not None else "")
+            state.doing = progress["doing"].replace(self.level.path, "the level") + (f", {left:.0f} s left" if left is not None else "")
         return self.status is None
 
-    def finish(self) -> None:
+    def finish(self, state: Any) -> None:
         """Show results, once step() returned False. Raises BakeFailed."""
         try:
             self.run.finish()
-            if self.status == 0:
-                with open(self.report, encoding="utf-8") as file:
-                    report = json.load(file)
-                self.state.result, self.state.filepath = result_text(report), self.output
-                tell_warnings(self.state, self.level, report["warnings"])
-                tell_left_out(self.state, self.level)
-            elif self.status == 130 or self.state.is_cancelled:
-                raise BakeFailed("The bake was cancelled")
-            else:
-                raise BakeFailed(self.why())
+            if self.status:
+                raise BakeFailed("The bake was cancelled" if self.status == 130 or state.is_cancelled else self.why())
+            with open(self.report, encoding="utf-8") as file:
+                report = json.load(file)
+            state.result, state.filepath = result_text(report), self.output
+            tell_warnings(state, self.level, report["warnings"])
+            tell_left_out(state, self.level)
+        except (OSError, ValueError, KeyError) as error:
+            raise BakeFailed("vxs gave no report: set the path of vxs in the add-on's preferences") from error
         finally:
-            self.state.is_running = False
             self.folder.cleanup()
 
     def why(self) -> str:
@@ -110,7 +106,6 @@ class Bake:
         """Stop, and show nothing."""
         self.run.cancel()
         self.run.finish()
-        self.state.is_running = False
         self.folder.cleanup()
 
 
@@ -151,40 +146,50 @@ class VXS_OT_bake(bpy.types.Operator):
 
     def begin(self, context: bpy.types.Context) -> Bake | None:
         """None after a report of what is wrong."""
+        state = context.window_manager.vxs
+        state.clear()
         try:
-            return Bake(context, self.chosen(context.scene), output_path(context.scene, self.filepath))
+            bake = Bake(context, self.chosen(context.scene), output_path(context.scene, self.filepath))
         except (BakeFailed, VxsMissing) as error:
-            self.report({"ERROR"}, str(error))
+            self.fail(state, str(error))
         except OSError as error:
-            self.report({"ERROR"}, f"The level cannot be written for vxs: {error.strerror}")
+            self.fail(state, f"The level cannot be written for vxs: {error.strerror}")
+        else:
+            state.is_running = True
+            return bake
         return None
 
-    def end(self, bake: Bake) -> set[str]:
+    def fail(self, state: Any, text: str, named: Iterable[tuple[str, str]] = ()) -> None:
+        tell(state, "ERROR", text, named)
+        self.report({"ERROR"}, text)
+
+    def end(self, context: bpy.types.Context, bake: Bake) -> set[str]:
+        state = context.window_manager.vxs
+        state.is_running = False
         try:
-            bake.finish()
+            bake.finish(state)
         except BakeFailed as error:
-            self.report({"WARNING" if bake.state.is_cancelled else "ERROR"}, str(error))
+            self.fail(state, str(error), things_named(str(error), bake.level))
             return {"CANCELLED"}
-        self.report({"INFO"}, f"{bake.output}: {bake.state.result.splitlines()[0]}")
+        self.report({"INFO"}, f"{bake.output}: {state.result.splitlines()[0]}")
         return {"FINISHED"}
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Bake, and return when all is done."""
-        bake = self.begin(context)
+        bake, state, printed = self.begin(context), context.window_manager.vxs, 0.0
         if not bake:
             return {"CANCELLED"}
-        said = ""
         try:
-            while bake.step():
-                line = f"vxs: {bake.state.share:4.0%} {bake.state.doing}"
-                if bpy.app.background and line != said:
-                    print(line, flush=True)
-                said = line
+            while bake.step(state):
+                if bpy.app.background and state.doing and time.monotonic() > printed + 1.0:
+                    print(f"vxs: {state.share:4.0%} {state.doing}", flush=True)
+                    printed = time.monotonic()
                 time.sleep(0.02)
         except BaseException:
+            state.is_running = False
             bake.close()
             raise
-        return self.end(bake)
+        return self.end(context, bake)
 
     def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
         """Bake beside the window."""
@@ -200,17 +205,18 @@ class VXS_OT_bake(bpy.types.Operator):
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         if event.type != "TIMER":
             return {"PASS_THROUGH"}
-        is_running = self.bake.step()
+        is_running = self.bake.step(context.window_manager.vxs)
         for area in (area for window in context.window_manager.windows for area in window.screen.areas if area.type == "PROPERTIES"):
             area.tag_redraw()
         if is_running:
             return {"PASS_THROUGH"}
         context.window_manager.event_timer_remove(self.timer)
-        return self.end(self.bake)
+        return self.end(context, self.bake)
 
     def cancel(self, context: bpy.types.Context) -> None:
         """Blender quits, or opens another file."""
         context.window_manager.event_timer_remove(self.timer)
+        context.window_manager.vxs.is_running = False
         self.bake.close()
 
 

@@ -62,8 +62,8 @@ def instancer(instance: bpy.types.DepsgraphObjectInstance) -> bpy.types.Object |
 class Casters:
     """reason() says why an instance casts no shadow."""
 
-    def __init__(self, scene: bpy.types.Scene) -> None:
-        self.settings = scene.vxs
+    def __init__(self, scene: bpy.types.Scene, region: bpy.types.Object | None) -> None:
+        self.settings, self.region = scene.vxs, region
         self.rendered = set(rendered_objects(scene.collection))
         self.movers = set(self.settings.movers.all_objects) if self.settings.movers else set()
         self.own: dict[bpy.types.Object, str] = {}
@@ -71,15 +71,13 @@ class Casters:
 
     def reason(self, instance: bpy.types.DepsgraphObjectInstance) -> str:
         """Plain words; "" for what casts. instance: one that is rendered."""
-        if not instance.show_self:
-            return "are not shown themselves"
         ob, shown_by = instance.object.original, instancer(instance)
         return self.own_reason(ob) or (self.own_reason(shown_by) if shown_by else "")
 
     def is_rendered(self, instance: bpy.types.DepsgraphObjectInstance) -> bool:
         ob, shown_by = instance.object.original, instancer(instance)
         base = shown_by or ob
-        return base in self.rendered and not base.hide_render and (not shown_by or self.is_instance_rendered(ob))
+        return instance.show_self and base in self.rendered and not base.hide_render and (not shown_by or self.is_instance_rendered(ob))
 
     def is_instance_rendered(self, ob: bpy.types.Object) -> bool:
         """Instances of a collection follow what its objects say; those of an object itself are rendered all the same."""
@@ -96,7 +94,7 @@ class Casters:
         return self.own[ob]
 
     def find_reason(self, ob: bpy.types.Object) -> str:
-        if ob == self.settings.region:
+        if ob == self.region:
             return "are the region"
         if not ob.visible_shadow:
             return "have no shadow visibility"

@@ -86,6 +86,13 @@ def bake_arguments(context: bpy.types.Context, settings: Any, lights: dict[str, 
     return arguments
 
 
+def read_progress(line: str) -> dict[str, Any]:
+    try:
+        return json.loads(line)
+    except ValueError:
+        return {}
+
+
 class Run:
     """vxs at work beside Blender. A thread reads what it prints; poll() and finish() are for the main thread."""
 
@@ -112,7 +119,7 @@ class Run:
         while not self.lines.empty():
             line = self.lines.get()
             if line.startswith("{"):
-                progress = json.loads(line)
+                progress = read_progress(line) or progress
             elif line.startswith("vxs: error: "):
                 self.errors.append(line[len("vxs: error: "):])
         return status, progress

@@ -23,6 +23,7 @@ NOT_BAKED = {"CURVES": "are hair curves", "POINTCLOUD": "are point clouds", "VOL
 class Level:
     """What was written, and what was not."""
     path: str
+    region: str = ""  # name of its object
     triangles: int = 0  # of all instances
     instances: int = 0
     lights: dict[str, bpy.types.Light] = field(default_factory=dict)  # by their names in the file
@@ -81,7 +82,8 @@ class Gatherer:
 
     def __init__(self, depsgraph: bpy.types.Depsgraph, scene: bpy.types.Scene, level: Level, receivers: bool = False) -> None:
         """receivers: also take what is rendered and casts no shadow."""
-        self.level, self.casters, self.receivers = level, Casters(scene), receivers
+        self.level, self.receivers = level, receivers
+        self.casters = Casters(scene, scene.objects.get(level.region) or scene.vxs.region)
         self.surfaces: dict[tuple[int, ...], Surface] = {}
         self.looks: dict[bpy.types.Material, Appearance] = {}
         self.places: list[Place] = []
@@ -230,8 +232,9 @@ def compact(indices: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     return np.flatnonzero(is_used), (np.cumsum(is_used) - 1)[indices]
 
 
-def write_level(depsgraph: bpy.types.Depsgraph, scene: bpy.types.Scene, path: str) -> Level:
-    """Write what the depsgraph shows as a GLB. Nothing in Blender changes."""
-    level = Level(path)
+def write_level(depsgraph: bpy.types.Depsgraph, scene: bpy.types.Scene, path: str, region: bpy.types.Object | None = None) -> Level:
+    """Write what the depsgraph shows as a GLB. Nothing in Blender changes. region: an object that casts nothing; None: the scene's."""
+    region = region or scene.vxs.region
+    level = Level(path, region.name if region else "")
     Writer(Gatherer(depsgraph, scene, level)).write(scene)
     return level

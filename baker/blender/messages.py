@@ -14,6 +14,7 @@ from .level import Level
 CASTS = "turn off Casts Baked Shadows of"
 # what vxs says of its options and of glTF, and the words of Blender; all that fit are replaced, in this order
 WORDS = (
+    (r"unknown option '.*", "this vxs is older than the add-on: install both from one version"),
     (r"\b(node|mesh|material) \d+ '", r"\1 '"),
     (r" \(node[^)]*\)", ""),
     (r"(material '.*); --exclude .* bakes without it", r"\1; give it the custom property vxs_cast_shadow, False"),
@@ -91,7 +92,7 @@ def tell_warnings(state: Any, level: Level, warnings: list[str]) -> None:
     for text, name in level.notes:
         tell(state, "WARNING", text, [("OBJECT", name)])
     for text in (plain(warning, level.path) for warning in warnings):
-        tell(state, "WARNING", text, [*things_named(text, level), *(("OBJECT", name) for name in level.regions if "Region" in text)])
+        tell(state, "WARNING", text, [("OBJECT", level.region)] if "the Region" in text else things_named(text, level))
 
 
 def tell_left_out(state: Any, level: Level) -> None:
