@@ -36,10 +36,6 @@ VXS_FN vxs_real vxs_real_of(vxs_u32 bits)
     memcpy(&number, &bits, sizeof number);
     return VXS_REAL(number);
 }
-#elif defined(VXS_HLSL)
-#define vxs_real_of(bits) asfloat(bits)
-#else
-#define vxs_real_of(bits) uintBitsToFloat(bits)
 #endif
 
 /* Number of nodes of the texels of a tile before texel n. */

@@ -79,10 +79,14 @@ VXS_FN vxs_real vxs_floor(vxs_real x)
 #define vxs_real3 float3
 #define vxs_int3  int3
 #define vxs_real4 float4
+#define vxs_uint4 uint4
+#define vxs_real_of(bits) asfloat(bits)
 #else
 #define vxs_real3 vec3
 #define vxs_int3  ivec3
 #define vxs_real4 vec4
+#define vxs_uint4 uvec4
+#define vxs_real_of(bits) uintBitsToFloat(bits)
 #endif
 #define VXS_OUT                            out
 #define VXS_INOUT                          inout
@@ -103,6 +107,29 @@ struct vxs_light_constants {
     uint      kind, flags, levels;
     uint      first_word, coding, origin_fraction_ij, origin_fraction_k;
 };
+
+/* A light whose 96 bytes are six texels of four words, for shaders that read textures. */
+vxs_light_constants vxs_light_of_texels(const vxs_uint4 row_0, const vxs_uint4 row_1, const vxs_uint4 row_2, const vxs_uint4 metres,
+                                        const vxs_uint4 kind, const vxs_uint4 words)
+{
+    vxs_light_constants light;
+    light.ls_from_ws[0]      = vxs_real_of(row_0);
+    light.ls_from_ws[1]      = vxs_real_of(row_1);
+    light.ls_from_ws[2]      = vxs_real_of(row_2);
+    light.texel_metres       = vxs_real_of(metres.x);
+    light.voxel_metres       = vxs_real_of(metres.y);
+    light.near_metres        = vxs_real_of(metres.z);
+    light.range_metres       = vxs_real_of(metres.w);
+    light.cos_outer          = vxs_real_of(kind.x);
+    light.kind               = kind.y;
+    light.flags              = kind.z;
+    light.levels             = kind.w;
+    light.first_word         = words.x;
+    light.coding             = words.y;
+    light.origin_fraction_ij = words.z;
+    light.origin_fraction_k  = words.w;
+    return light;
+}
 
 /* The filter of a lookup, as in vxs_file.h, where it is described. GLSL reserves the name "filter"; here one is called "pcf". */
 struct vxs_filter {

@@ -24,26 +24,9 @@ uint vxs_list_word(uint at)
 vxs_light_constants vxs_light_at(uint n)
 {
     n = min(n, VXS_GL_LIGHT_COUNT - 1u);
-    ivec2               at = ivec2(int(n & 63u) * 6, int(n >> 6));
-    uvec4               a = texelFetch(vxs_lights, at + ivec2(3, 0), 0), b = texelFetch(vxs_lights, at + ivec2(4, 0), 0);
-    uvec4               c = texelFetch(vxs_lights, at + ivec2(5, 0), 0);
-    vxs_light_constants light;
-    light.ls_from_ws[0] = uintBitsToFloat(texelFetch(vxs_lights, at, 0));
-    light.ls_from_ws[1] = uintBitsToFloat(texelFetch(vxs_lights, at + ivec2(1, 0), 0));
-    light.ls_from_ws[2] = uintBitsToFloat(texelFetch(vxs_lights, at + ivec2(2, 0), 0));
-    light.texel_metres  = uintBitsToFloat(a.x);
-    light.voxel_metres  = uintBitsToFloat(a.y);
-    light.near_metres   = uintBitsToFloat(a.z);
-    light.range_metres  = uintBitsToFloat(a.w);
-    light.cos_outer     = uintBitsToFloat(b.x);
-    light.kind          = b.y;
-    light.flags         = b.z;
-    light.levels        = b.w;
-    light.first_word           = c.x;
-    light.coding        = c.y;
-    light.origin_fraction_ij       = c.z;
-    light.origin_fraction_k        = c.w;
-    return light;
+    ivec2 at = ivec2(int(n & 63u) * 6, int(n >> 6));
+    return vxs_light_of_texels(texelFetch(vxs_lights, at, 0), texelFetch(vxs_lights, at + ivec2(1, 0), 0), texelFetch(vxs_lights, at + ivec2(2, 0), 0),
+                               texelFetch(vxs_lights, at + ivec2(3, 0), 0), texelFetch(vxs_lights, at + ivec2(4, 0), 0), texelFetch(vxs_lights, at + ivec2(5, 0), 0));
 }
 #endif
 

@@ -6,7 +6,7 @@ import sys
 
 text = pathlib.Path(sys.argv[1]).read_text()
 items = {m[2]: m[0] for m in re.finditer(r"^(fn|struct|const)\s+(\w+).*?(?=^(?:fn|struct|const|@)|\Z)", text, re.M | re.S)}
-needed, more = set(), ["vxs_lit", "vxs_box", "vxs_smooth"]
+needed, more = set(), ["vxs_light_of_texels", "vxs_lit", "vxs_box", "vxs_smooth"]
 while more:
     name = more.pop()
     if name in items and name not in needed:

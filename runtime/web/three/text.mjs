@@ -14,23 +14,7 @@ ${vxs_lookup}
 ${vxs_lookup_blocks}
 ${vxs_space}
 vxs_light_constants vxsLight( int row ) {
-  vxs_light_constants light;
-  uvec4 a = texelFetch( vxsLights, ivec2( 3, row ), 0 ), b = texelFetch( vxsLights, ivec2( 4, row ), 0 );
-  uvec4 c = texelFetch( vxsLights, ivec2( 5, row ), 0 );
-  for ( int n = 0; n < 3; n ++ ) light.ls_from_ws[ n ] = uintBitsToFloat( texelFetch( vxsLights, ivec2( n, row ), 0 ) );
-  light.texel_metres = uintBitsToFloat( a.x );
-  light.voxel_metres = uintBitsToFloat( a.y );
-  light.near_metres = uintBitsToFloat( a.z );
-  light.range_metres = uintBitsToFloat( a.w );
-  light.cos_outer = uintBitsToFloat( b.x );
-  light.kind = b.y;
-  light.flags = b.z;
-  light.levels = b.w;
-  light.first_word = c.x;
-  light.coding = c.y;
-  light.origin_fraction_ij = c.z;
-  light.origin_fraction_k = c.w;
-  return light;
+  return vxs_light_of_texels( ${[0, 1, 2, 3, 4, 5].map((n) => `texelFetch( vxsLights, ivec2( ${n}, row ), 0 )`).join(', ')} );
 }
 float vxsLit( int row, vec3 position, vec3 normal ) {
   vxs_light_constants light = vxsLight( row );

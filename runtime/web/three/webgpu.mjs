@@ -13,24 +13,7 @@ const wgslReaders = ({ VXS_ONLY_WIDTH, VXS_ONLY_SMOOTH }, wide) => `
 fn vxs_word_at(at: u32) -> u32 { return textureLoad(vxsWords, vec2u(at & ${wide - 1}u, at / ${wide}u), 0).r; }
 ${wgsl}
 fn vxsLight(row: i32) -> vxs_light_constants {
-  let a = textureLoad(vxsLights, vec2i(3, row), 0);
-  let b = textureLoad(vxsLights, vec2i(4, row), 0);
-  let c = textureLoad(vxsLights, vec2i(5, row), 0);
-  var light: vxs_light_constants;
-  for (var n = 0; n < 3; n++) { light.ls_from_ws[n] = bitcast<vec4f>(textureLoad(vxsLights, vec2i(n, row), 0)); }
-  light.texel_metres = bitcast<f32>(a.x);
-  light.voxel_metres = bitcast<f32>(a.y);
-  light.near_metres = bitcast<f32>(a.z);
-  light.range_metres = bitcast<f32>(a.w);
-  light.cos_outer = bitcast<f32>(b.x);
-  light.kind = b.y;
-  light.flags = b.z;
-  light.levels = b.w;
-  light.first_word = c.x;
-  light.coding = c.y;
-  light.origin_fraction_ij = c.z;
-  light.origin_fraction_k = c.w;
-  return light;
+  return vxs_light_of_texels(${[0, 1, 2, 3, 4, 5].map((n) => `textureLoad(vxsLights, vec2i(${n}, row), 0)`).join(', ')});
 }
 fn vxsLit(row: i32, position: vec3f, normal: vec3f) -> f32 {
   let light = vxsLight(row);
