@@ -19,6 +19,8 @@ export const vxs_space: string;
 export const vxs_depths: string;
 /** Lit intervals of rays; needs vxs_space and vxs_depths. */
 export const vxs_intervals: string;
+/** Tables of palette blocks in place of words, for shaders that define VXS_GL_TABLES; before vxs_lookup. */
+export const vxs_tables: string;
 /** Baked smoke; needs vxs_space. */
 export const vxs_smoke: string;
 /** Light in the air along a ray. */
@@ -26,3 +28,5 @@ export const vxs_air_light: string;
 export const vxs_air_ray: string;
 export const vxs_air: string;
 export const vxs_air_path: string;
+/** Airlight of a baked light along an eye ray; needs vxs_intervals and vxs_air_path. */
+export const vxs_fog: string;

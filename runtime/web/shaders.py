@@ -37,4 +37,5 @@ print("// Texts of formats/*.h for GLSL ES 3.00, GLSL 3.30 and later, HLSL. SPDX
 for header in map(pathlib.Path, sys.argv[1:]):
     lines = re.sub(r"/\*.*?\*/", " ", header.read_text(), flags=re.S).splitlines()
     kept = shader_lines(line.rstrip() for line in lines if line.strip() and not line.startswith("#include"))
-    print(f"export const {header.stem} = {json.dumps(''.join(f'{line}{chr(10)}' for line in kept))};")
+    name = header.stem if header.stem.startswith("vxs_") else f"vxs_{header.stem}"
+    print(f"export const {name} = {json.dumps(''.join(f'{line}{chr(10)}' for line in kept))};")

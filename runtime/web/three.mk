@@ -10,6 +10,7 @@ $(three.files): $P/three/%: runtime/web/three/%
 
 # a string for each header: vxs_lookup.h is `vxs_lookup`
 shaders.texts := $(addprefix formats/,vxs_lookup.h vxs_lookup_blocks.h vxs_space.h vxs_depths.h vxs_intervals.h vxs_smoke.h) \
+                 runtime/gl/tables.glsl runtime/web/three/fog.glsl \
                  $(addprefix runtime/volumes/,vxs_air_light.h vxs_air_ray.h vxs_air.h vxs_air_path.h)
 $P/runtime/shaders.mjs: $(shaders.texts) runtime/web/shaders.py runtime/web/three.mk
 	@echo "  text $@"

@@ -234,11 +234,11 @@ async function compareLamps() {
 
 /** God rays in a street of the city: the share of each eye ray's airlight that is lit. */
 async function compareFog() {
-  const scene = SCENES['city, in a street'], size = [96, 54], sigma = 0.01, far = 150, RAYS = 256;
+  const scene = SCENES['city, in a street'], size = [192, 108], sigma = 0.01, far = 150, RAYS = 256;
   const view = { ...scene.view, target: [-6, 12, 0] };
   prepare(scene);
   const stage = { glb: '/files/city.glb', vxs: '/files/city.4096.vxs', sun: scene.sun, view, size };
-  const fog = await inPage('fog', { ...stage, sigma, far, steps: [16, 32, 64, 128, 256], times: 5 });
+  const fog = await inPage('fog', { ...stage, sigma, far, steps: [16, 32, 64, 128, 256], times: 9 });
   const rays = decode(await inPage('rays', stage), Float32Array), lines = [];
   const metresOf = (n) => (rays[4 * n + 3] > 0 ? Math.min(rays[4 * n + 3], far) : far);
   for (let n = 0; n < size[0] * size[1]; n++)
@@ -246,7 +246,8 @@ async function compareFog() {
       const t = (metresOf(n) * (k + 0.5)) / RAYS;
       lines.push([0, 1, 2].map((axis) => view.eye[axis] + t * rays[4 * n + axis]).join(' '));
     }
-  const answers = truthOf(['city.glb', ...scene.light], lines).map(Number);
+  const answers = [], PART = 1_000_000;
+  for (let n = 0; n < lines.length; n += PART) for (const lit of truthOf(['city.glb', ...scene.light], lines.slice(n, n + PART))) answers.push(Number(lit));
   const truth = Array.from({ length: size[0] * size[1] }, (_, n) => {
     let lit = 0, all = 0;
     for (let k = 0; k < RAYS; k++) {

@@ -268,7 +268,7 @@ void main() {
 
 /**
  * Fog of extinction sigma: how much of a ray's airlight is lit, at each pixel, by marching over a live map and by the lit intervals of a
- * file; and the time of a frame of each by that of the intervals.
+ * file; and the time of a frame of each by that of a march of 128 steps.
  */
 export async function fog({ vxs, sigma, far, steps, times, ...scene }) {
   const s = await stage(scene), [width, height] = s.size, shadows = await loadShadows(vxs);
@@ -281,44 +281,47 @@ export async function fog({ vxs, sigma, far, steps, times, ...scene }) {
   s.scene.traverse((object) => { if (object.isMesh) object.material = black; });
   s.renderer.setRenderTarget(read);
   s.renderer.render(s.scene, s.camera);
-  const { map: { depthTexture }, matrix } = s.sun.shadow, screen = new THREE.Mesh(new THREE.PlaneGeometry(2, 2)), lit = {}, ms = {};
+  const { map: { depthTexture }, matrix } = s.sun.shadow, screen = new THREE.Mesh(new THREE.PlaneGeometry(2, 2)), draws = {}, lit = {}, took = {};
   screen.frustumCulled = false;
-  const measure = (name, draw) => {
-    const took = [];
-    for (let n = 0; n < times; n++) {
-      const began = performance.now();
-      draw();
-      s.renderer.readRenderTargetPixels(write, 0, 0, width, height, data);
-      took.push(performance.now() - began);
-    }
-    ms[name] = took.sort((a, b) => a - b)[times >> 1];
-    const out = new Float32Array(width * height);
-    for (let n = 0; n < out.length; n++) out[n] = data[4 * ((height - 1 - Math.floor(n / width)) * width + (n % width))];
-    lit[name] = out;
-  };
   for (const count of steps) {
-    screen.material = new THREE.ShaderMaterial({
+    const material = new THREE.ShaderMaterial({
       defines: { STEPS: count }, depthTest: false, fragmentShader: MARCH, vertexShader: 'out vec2 at; void main() { at = 0.5 * position.xy + 0.5; gl_Position = vec4( position.xy, 0.0, 1.0 ); }',
       uniforms: Object.fromEntries(Object.entries({
         tDepth: read.depthTexture, map: depthTexture, toLight: matrix, fromClip: s.camera.projectionMatrixInverse, toWorld: s.camera.matrixWorld, sigma, far,
       }).map(([name, value]) => [name, { value }])),
     });
-    measure(`march, ${count} steps`, () => {
+    draws[`march, ${count} steps`] = () => {
+      screen.material = material;
       s.renderer.setRenderTarget(write);
       s.renderer.render(screen, s.camera);
-    });
+    };
   }
   s.sun.castShadow = false;
   shadows.attach(s.scene);
   const pass = new FogPass(shadows, s.camera, { extinction: sigma, anisotropy: 0, transmits: false, farMetres: far });
-  measure('vxs intervals', () => pass.render(s.renderer, write, read));
+  const INTERVALS = { 'vxs intervals': false, 'vxs intervals, half resolution': true };
+  for (const [name, half] of Object.entries(INTERVALS))
+    draws[name] = () => {
+      pass.half = half;
+      pass.render(s.renderer, write, read);
+    };
+  for (let n = -1; n < times; n++) // in turn, so that what else this machine does slows all of them; the first compiles
+    for (const [name, draw] of Object.entries(draws)) {
+      const began = performance.now();
+      draw();
+      s.renderer.readRenderTargetPixels(write, 0, 0, width, height, data);
+      if (n < 0) lit[name] = Float32Array.from({ length: width * height }, (_, k) => data[4 * ((height - 1 - Math.floor(k / width)) * width + (k % width))]);
+      else (took[name] ??= []).push(performance.now() - began);
+    }
   // airlight by that of a ray that is lit all along
   const surface = decodeFloats(await surfaces(scene));
-  lit['vxs intervals'].forEach((x, n) => {
-    const metres = surface[8 * n + 3] > 0 ? Math.min(surface[8 * n + 3], far) : far;
-    lit['vxs intervals'][n] = (x * 4 * Math.PI) / (s.sun.intensity * (1 - Math.exp(-sigma * metres)));
-  });
-  return { lit: Object.fromEntries(Object.entries(lit).map(([name, values]) => [name, base64(values)])), ratio: Object.fromEntries(Object.entries(ms).map(([name, t]) => [name, t / ms['vxs intervals']])) };
+  for (const name of Object.keys(INTERVALS))
+    lit[name] = lit[name].map((x, n) => {
+      const metres = surface[8 * n + 3] > 0 ? Math.min(surface[8 * n + 3], far) : far;
+      return (x * 4 * Math.PI) / (s.sun.intensity * (1 - Math.exp(-sigma * metres)));
+    });
+  const median = (values) => values.sort((a, b) => a - b)[values.length >> 1], unit = median(took['march, 128 steps']);
+  return { lit: Object.fromEntries(Object.entries(lit).map(([name, values]) => [name, base64(values)])), ratio: Object.fromEntries(Object.entries(took).map(([name, times]) => [name, median(times) / unit])) };
 }
 
 const decodeFloats = (text) => new Float32Array(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer);

@@ -406,7 +406,7 @@ export async function refused({ glb, vxs }) {
 }
 
 /** Airlight of pixels by FogPass, and by lit intervals of the runtime with a sum over many small steps. */
-export async function fog({ glb, vxs, view, size, light: name, medium, orthographic }) {
+export async function fog({ glb, vxs, view, size, light: name, medium, orthographic, half }) {
   const { FogPass } = await import('vxs/three'), [width, height] = size;
   const renderer = newRenderer(size), gltf = await loadScene(glb), shadows = await loadShadows(vxs);
   let camera = newCamera(view, size);
@@ -456,11 +456,14 @@ export async function fog({ glb, vxs, view, size, light: name, medium, orthograp
       }
       errors.push([sum * scattering * strength, data[4 * (y * width + x) + 1], x, y]);
     }
+  pass.half = half;
+  if (half) draw(pass);
+  const apart = errors.reduce((s, [a, , x, y]) => s + Math.abs(a - data[4 * (y * width + x) + 1]), 0) / errors.reduce((s, [a]) => s + a, 0);
   const wrong = errors.filter(([a, b]) => Math.abs(a - b) > 0.003 * (a + 0.02 * strength * scattering));
   pass.renderToScreen = true;
   gltf.scene.traverse((object) => { if (object.isMesh) object.material = new THREE.MeshStandardMaterial({ flatShading: true }); });
   draw(pass);
-  return { count: errors.length, mean: errors.reduce((s, [a]) => s + a, 0) / errors.length, wrong: wrong.length, first: wrong.slice(0, 4) };
+  return { count: errors.length, mean: errors.reduce((s, [a]) => s + a, 0) / errors.length, wrong: wrong.length, apart, tables: pass.fog.words.isTables === true, first: wrong.slice(0, 4) };
 }
 
 /** Lights of the shadows that a glTF file brings along, and how many match. */

@@ -78,12 +78,18 @@ export interface FogOptions {
   transmits?: boolean;
   /** Fog ends here where no surface is seen; camera.far by default. */
   farMetres?: number;
+  /**
+   * true: a ray for 2 x 2 pixels, and each pixel takes those that end near its own end: a quarter of the time. Light does not cross
+   * edges, but detail of a pixel in the light is lost.
+   */
+  half?: boolean;
 }
 
 /**
  * Homogeneous fog, lit by one baked light: the lit parts of each eye ray exactly, and their airlight in closed form. A pass for
  * EffectComposer, behind RenderPass, with a target that has a depthTexture; or call render(). Works in linear colours. Options are
- * fields and may change at any time. For another light add a second pass. WebGLRenderer, without logarithmicDepthBuffer.
+ * fields and may change at any time. For another light add a second pass. WebGLRenderer, without logarithmicDepthBuffer. The first pass of
+ * a light of up to 16384 texels lays its depths out for rays: 0.2 s and 2 MiB at 4096, 2 s and 9 MiB at 16384.
  */
 export class FogPass {
   constructor(shadows: BakedShadows, camera: Camera, options?: FogOptions);
@@ -95,6 +101,7 @@ export class FogPass {
   anisotropy: number;
   transmits: boolean;
   farMetres?: number;
+  half: boolean;
   setSize(width: number, height: number): void;
   /** writeBuffer null: the screen. */
   render(renderer: WebGLRenderer, writeBuffer: WebGLRenderTarget | null, readBuffer: { texture: Texture; depthTexture: DepthTexture | null }): void;

@@ -3,8 +3,9 @@
 import { Box3, FileLoader, Loader, Matrix4, Vector3 } from 'three';
 import { VXSError, load } from 'vxs';
 import { matchLights } from './names.mjs';
-import { filterOf, fromRootMatrix, wordsTexture } from './words.mjs';
+import { filterOf, fromRootMatrix, tablesTexture, wordsTexture } from './words.mjs';
 
+const MOST_LEVELS = 14; // of lights with tables, which take 2 s to make at 14
 let standard; // the runtime that all loaders share, loaded at the first use
 
 /** Loads .vxs files as BakedShadows. Errors are VXSErrors where the bytes are wrong, else those of FileLoader. */
@@ -47,6 +48,7 @@ const meshesOf = (root, act) => root.traverse((object) => object.isMesh && act(o
 export class BakedShadows {
   #way = null;
   #words = null;
+  #tables = new Map();
   #restore = [];
 
   #ways;
@@ -62,6 +64,13 @@ export class BakedShadows {
 
   /** The words of all lights as a texture, which the passes of this file share: { texture, wide, first }. */
   get words() { return (this.#words ??= wordsTexture(this.lights)); }
+
+  /** Tables of a light, as `words`, made at the first use; null: it has none. */
+  tables(baked) {
+    if (baked.coding !== 'blocks' || baked.levels > MOST_LEVELS) return null;
+    if (!this.#tables.has(baked)) this.#tables.set(baked, tablesTexture(baked));
+    return this.#tables.get(baked);
+  }
 
   /**
    * Let lights below `target` shine with their baked shadows. index.d.ts describes the options. Nothing is changed if it throws.
@@ -153,6 +162,8 @@ export class BakedShadows {
     this.detach();
     this.#words?.texture.dispose();
     this.#words = null;
+    this.#tables.forEach(({ texture }) => texture.dispose());
+    this.#tables.clear();
     this.asset.dispose();
   }
 }

@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: MIT
 import { DataTexture, Matrix4, NearestFilter, RGBAIntegerFormat, RedIntegerFormat, UnsignedIntType, Vector3 } from 'three';
 import { VXSError } from 'vxs';
+import { tablesOf } from './tables.mjs';
 
 const TEXTURES = { 1: RedIntegerFormat, 4: RGBAIntegerFormat };
 export const TEXELS = 6; // of RGBA32UI for the constants of a light: 96 bytes
+export const FOG_TEXELS = 5; // behind them, of its fog: arguments of vxs_fog (fog.glsl)
 const PADDING = 4; // words that a lookup may read behind the last one
 
 // An integer texture; with other filters than NEAREST it would read 0.
@@ -18,11 +20,11 @@ export function integerTexture(data, width, height, channels) {
 }
 
 /**
- * The words of some baked lights in one texture, 2048 texels wide as any WebGL 2 has, or wider where they need more rows than that.
+ * Words of some baked lights in one texture, 2048 texels wide as any WebGL 2 has, or wider where they need more rows than that.
  * Returns { texture, wide, first: Map of the first word of each light }.
  */
-export function wordsTexture(bakedLights) {
-  const words = bakedLights.map((light) => light.words()), first = new Map();
+function textureOf(bakedLights, wordsOf) {
+  const words = bakedLights.map(wordsOf), first = new Map();
   let count = 0, wide = 2048;
   bakedLights.forEach((light, n) => {
     first.set(light, count);
@@ -34,6 +36,9 @@ export function wordsTexture(bakedLights) {
   bakedLights.forEach((light, n) => data.set(words[n], first.get(light)));
   return { texture: integerTexture(data, wide, data.length / wide, 1), wide, first };
 }
+
+export const wordsTexture = (bakedLights) => textureOf(bakedLights, (light) => light.words());
+export const tablesTexture = (light) => ({ ...textureOf([light], tablesOf), isTables: true });
 
 const rest = (x) => Math.max(-32768, Math.min(32767, Math.round((x - Math.fround(x)) * 2 ** 20))) & 0xffff;
 
