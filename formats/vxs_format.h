@@ -82,6 +82,7 @@
 #define VXS_PAGE_STORED_BYTES  0
 #define VXS_PAGE_WORD_COUNT    4
 #define VXS_PAGE_HASH          8
+#define VXS_BLOCKS_FIRST_PAGE  8u /* words of a light before its table of pages */
 #define VXS_BLOCKS_SPARE_WORDS 4u /* zeros behind the words of a light, which lookups may read */
 
 /* vxs.md section 15: baked smoke */

@@ -11,8 +11,6 @@
 #include "vxs_desc.h"
 #include "vxs_reader.h"
 
-enum { HEADER = -1 };
-
 /* Whether to continue: there is no finding, or all findings are wanted. */
 static int go_on(const vxs_reader *r)
 {
@@ -31,20 +29,22 @@ static int zeros(const uint8_t *p, size_t count)
 int vxs_read_header(vxs_reader *r)
 {
     const uint8_t *h = r->bytes;
-    if (r->size < VXS_MAGIC_BYTES || memcmp(h, VXS_MAGIC, VXS_MAGIC_BYTES)) return vxs_found(r, r->size ? 102 : 101, HEADER, 0), 0;
-    if (r->size < VXS_HEADER_BYTES) return vxs_found(r, 101, HEADER, r->size), 0;
+    if (r->size < VXS_MAGIC_BYTES || memcmp(h, VXS_MAGIC, VXS_MAGIC_BYTES))
+        return vxs_found(r, r->size ? 102 : 101, VXS_IN_HEADER, 0), 0;
+    if (r->size < VXS_HEADER_BYTES) return vxs_found(r, 101, VXS_IN_HEADER, r->size), 0;
     uint32_t version = vxs_load32(h + VXS_HEADER_VERSION);
-    if (version < 1 || version > VXS_FORMAT_VERSION) return vxs_found(r, 103, HEADER, VXS_HEADER_VERSION), 0;
-    if (XXH64(h, VXS_HEADER_HASH, 0) != vxs_load64(h + VXS_HEADER_HASH)) return vxs_found(r, 104, HEADER, VXS_HEADER_HASH), 0;
+    if (version < 1 || version > VXS_FORMAT_VERSION) return vxs_found(r, 103, VXS_IN_HEADER, VXS_HEADER_VERSION), 0;
+    if (XXH64(h, VXS_HEADER_HASH, 0) != vxs_load64(h + VXS_HEADER_HASH))
+        return vxs_found(r, 104, VXS_IN_HEADER, VXS_HEADER_HASH), 0;
     if (!zeros(h + VXS_HEADER_RESERVED, VXS_HEADER_HASH - VXS_HEADER_RESERVED))
-        return vxs_found(r, 105, HEADER, VXS_HEADER_RESERVED), 0;
+        return vxs_found(r, 105, VXS_IN_HEADER, VXS_HEADER_RESERVED), 0;
 
     uint64_t recorded = vxs_load64(h + VXS_HEADER_FILE_BYTES);
-    if (r->size != recorded) return vxs_found(r, r->size < recorded ? 106 : 107, HEADER, VXS_HEADER_FILE_BYTES), 0;
+    if (r->size != recorded) return vxs_found(r, r->size < recorded ? 106 : 107, VXS_IN_HEADER, VXS_HEADER_FILE_BYTES), 0;
 
     uint32_t count = vxs_load32(h + VXS_HEADER_SECTION_COUNT);
     if (count < 1 || count > VXS_SECTIONS_MAX || VXS_HEADER_BYTES + (uint64_t)count * VXS_ENTRY_BYTES > r->size)
-        return vxs_found(r, 108, HEADER, VXS_HEADER_SECTION_COUNT), 0;
+        return vxs_found(r, 108, VXS_IN_HEADER, VXS_HEADER_SECTION_COUNT), 0;
     r->out.version       = version;
     r->out.section_count = count;
     return 1;
@@ -67,8 +67,8 @@ int vxs_read_head(vxs_reader *r)
     if (!vxs_read_header(r)) return 0;
     uint32_t count = r->out.section_count;
     if (XXH64(r->bytes + VXS_HEADER_BYTES, (size_t)count * VXS_ENTRY_BYTES, 0) != vxs_load64(r->bytes + VXS_HEADER_DIRECTORY_HASH))
-        return vxs_found(r, 109, HEADER, VXS_HEADER_DIRECTORY_HASH), 0;
-    r->out.sections = vxs_reader_alloc(r, count, sizeof *r->out.sections, HEADER);
+        return vxs_found(r, 109, VXS_IN_HEADER, VXS_HEADER_DIRECTORY_HASH), 0;
+    r->out.sections = vxs_reader_alloc(r, count, sizeof *r->out.sections, VXS_IN_HEADER);
     if (!r->out.sections) return 0;
 
     uint32_t defined = VXS_SECTION_OPTIONAL | (has_blocks(r) ? VXS_SECTION_STORED : 0);
@@ -104,7 +104,7 @@ int vxs_read_head(vxs_reader *r)
         if (known && same < n) vxs_found(r, 208, (int)n, at);
         if (!go_on(r)) return 0;
     }
-    if (end != r->size) vxs_found(r, 204, HEADER, end);
+    if (end != r->size) vxs_found(r, 204, VXS_IN_HEADER, end);
     return r->result == VXS_OK;
 }
 

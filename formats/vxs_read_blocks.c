@@ -64,7 +64,7 @@ int vxs_read_page(uint32_t *words, const vxs_page_content *p, const vxs_paged_li
 
 /* all of a light ---------------------------------------------------------------------------------------------------------------- */
 
-enum { SCRATCH_ALIGN = 16, FIRST_PAGE_WORD = 8 };
+enum { SCRATCH_ALIGN = 16 };
 
 int vxs_is_blocks_section(uint32_t kind)
 {
@@ -200,13 +200,13 @@ static void decode_some_pages(void *work, uint32_t task)
                                     .nodes      = b->light.resident.nodes + first};
         b->wrong[page]           = (uint16_t)vxs_read_page(b->words + p.start, &content, &b->light, &b->tools[task]);
         if (!b->wrong[page])
-            b->words[FIRST_PAGE_WORD + page] = p.start;
+            b->words[VXS_BLOCKS_FIRST_PAGE + page] = p.start;
         else if (!b->r->desc.find_all)
             vxs_items_end(&b->pages);
     }
 }
 
-static void decode_light(blocks_reader *b)
+static void decode_blocks(blocks_reader *b)
 {
     memset(b->words + b->baked->word_count, 0, VXS_BLOCKS_SPARE_WORDS * sizeof *b->words);
 
@@ -244,7 +244,7 @@ void vxs_read_blocks(vxs_reader *r, vxs_baked_light *baked)
 {
     blocks_reader b = {.r = r, .baked = baked};
     if (!check_sizes(&b)) return;
-    if (take_memory(&b)) decode_light(&b);
+    if (take_memory(&b)) decode_blocks(&b);
 
     vxs_resident *from = &b.light.resident;
     vxs_reader_free(b.r, from->nodes, b.sizes.node_count, sizeof *from->nodes);

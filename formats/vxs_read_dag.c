@@ -123,7 +123,7 @@ static int decode_level(light_reader *lr, uint32_t index, uint32_t *words, uint3
     return 1;
 }
 
-static int decode_light(light_reader *lr)
+static int decode_dag(light_reader *lr)
 {
     vxs_reader *r   = lr->r;
     lr->level_count = lr->baked->light.levels - 2;
@@ -158,7 +158,7 @@ static int decode_light(light_reader *lr)
 void vxs_read_dag(vxs_reader *r, vxs_baked_light *baked)
 {
     light_reader lr = {.r = r, .baked = baked};
-    decode_light(&lr);
+    decode_dag(&lr);
     for (uint32_t l = 0; l < lr.level_count; l++) {
         vxs_reader_free(r, lr.level[l].word, lr.level[l].count, sizeof *lr.level[l].word);
         if (lr.level[l].content)

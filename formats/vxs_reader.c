@@ -9,8 +9,6 @@
 #include "vxs_findings.h"
 #include "vxs_frame.h"
 
-enum { HEADER = -1 };
-
 void vxs_found(vxs_reader *r, int number, int section, uint64_t offset)
 {
     static const struct {
@@ -65,7 +63,7 @@ int vxs_find_section(vxs_reader *r, uint32_t kind, uint32_t light, uint32_t leve
     vxs_section wanted = {.kind = kind, .light = light, .level = level};
     for (uint32_t n = 0; n < r->out.section_count; n++)
         if (vxs_same_section(&r->out.sections[n], &wanted)) return (int)n;
-    vxs_found(r, 209, HEADER, VXS_HEADER_BYTES);
+    vxs_found(r, 209, VXS_IN_HEADER, VXS_HEADER_BYTES);
     return -1;
 }
 

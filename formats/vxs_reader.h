@@ -9,6 +9,8 @@
 
 #include "vxs_file.h"
 
+enum { VXS_IN_HEADER = -1 }; /* section of findings in the header and the directory */
+
 typedef struct vxs_reader vxs_reader;
 
 struct vxs_reader {

@@ -73,19 +73,19 @@ vxs_result vxs_resident_pack(vxs_bytes *out, const vxs_resident_sizes *sizes, co
 
 /* all of a light ---------------------------------------------------------------------------------------------------------------- */
 
-enum { PAGE_COUNT_WORD = 0, COMMON_WORD = 1, FIRST_PAGE_WORD = 8 };
+enum { PAGE_COUNT_WORD = 0, COMMON_WORD = 1 };
 
 /* Where page n starts in the words; for n = number of pages, the end of the last page. */
 static uint32_t page_start(const vxs_blocks_view *view, uint32_t n)
 {
-    return n < view->words[PAGE_COUNT_WORD] ? view->words[FIRST_PAGE_WORD + n] : view->word_count;
+    return n < view->words[PAGE_COUNT_WORD] ? view->words[VXS_BLOCKS_FIRST_PAGE + n] : view->word_count;
 }
 
 /* Whether the words are a resident part followed by pages without gaps. */
 static int in_order(const vxs_blocks_view *view)
 {
-    if (view->word_count < FIRST_PAGE_WORD || view->words[PAGE_COUNT_WORD] > VXS_PAGES_MAX) return 0;
-    uint32_t count = view->words[PAGE_COUNT_WORD], head = FIRST_PAGE_WORD + count;
+    if (view->word_count < VXS_BLOCKS_FIRST_PAGE || view->words[PAGE_COUNT_WORD] > VXS_PAGES_MAX) return 0;
+    uint32_t count = view->words[PAGE_COUNT_WORD], head = VXS_BLOCKS_FIRST_PAGE + count;
     if (view->word_count < head || page_start(view, 0) < head) return 0;
     for (uint32_t n = 0; n < count; n++) {
         uint32_t start = page_start(view, n), end = page_start(view, n + 1);

@@ -7,6 +7,8 @@
 #define WIN32_LEAN_AND_MEAN
 #endif
 #include <windows.h>
+#undef near /* macros of 16-bit times, and names here */
+#undef far
 
 #include <process.h>
 #include <stdint.h>

@@ -155,7 +155,7 @@ uint32_t vxs_stream_first_word(const vxs_stream *s, uint32_t light)
 vxs_stream_range vxs_stream_names(const vxs_stream *s, uint32_t light)
 {
     if (light >= s->light_count) return (vxs_stream_range){0, 0};
-    return (vxs_stream_range){s->lights[light].first_word + FIRST_PAGE_WORD, s->lights[light].page_count};
+    return (vxs_stream_range){s->lights[light].first_word + VXS_BLOCKS_FIRST_PAGE, s->lights[light].page_count};
 }
 
 vxs_stream_range vxs_stream_page(const vxs_stream *s, uint32_t light, uint32_t page)

@@ -23,10 +23,9 @@
 #include "vxs_stream.h"
 
 enum {
-    FIRST_PAGE_WORD = 8,          /* of the page table, in a light's words */
-    ROOM_ALIGN      = 16,         /* words: pages share no cache line */
-    STORED_MAX      = 1 << 19,    /* most stored bytes of a page: twice the bytes of its words */
-    FAR_METRES      = 1000000000, /* larger than any map */
+    ROOM_ALIGN = 16,         /* words: pages share no cache line */
+    STORED_MAX = 1 << 19,    /* most stored bytes of a page: twice the bytes of its words */
+    FAR_METRES = 1000000000, /* larger than any map */
 };
 
 typedef struct stream_light {

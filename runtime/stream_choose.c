@@ -226,7 +226,7 @@ void vxs_stream_show(vxs_stream *s, uint32_t number, int there)
 {
     stream_page        *page      = &s->pages[number];
     const stream_light *light     = &s->lights[page->light];
-    uint32_t            entry     = light->first_word + FIRST_PAGE_WORD + (number - light->first_page);
+    uint32_t            entry     = light->first_word + VXS_BLOCKS_FIRST_PAGE + (number - light->first_page);
     s->words[entry]               = there ? page->place - light->first_word : 0;
     s->changes[s->change_count++] = (vxs_stream_range){entry, 1};
     if (there) s->changes[s->change_count++] = (vxs_stream_range){page->place, page->word_count};

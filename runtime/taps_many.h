@@ -72,26 +72,26 @@ uint32_t vxs_dag_path_weight(vxs_dag_path *path, vxs_smooth_box box, uint32_t k,
 /* vxs_shadow_taps, vxs_shadow_part and vxs_place_from_ws. They are large: with VXS_SMALL all callers share those of lookup.c, which makes
  * a single lookup a tenth to a quarter slower. */
 #ifdef VXS_SMALL
-#define VXS_WALK
+#define VXS_TAPS_FN
 uint32_t  vxs_walk_taps(const vxs_baked_light *baked, int32_t map, int32_t i, int32_t j, uint32_t k, int32_t width_px);
 uint32_t  vxs_walk_part(const vxs_baked_light *baked, vxs_place place, uint32_t k, int32_t width_px);
 vxs_place vxs_place_of(const vxs_light *light, const double point_ws[3], const double normal_ws[3], vxs_filter filter);
 #else
-#define VXS_WALK static inline
+#define VXS_TAPS_FN static inline
 #endif
 
 #if !defined(VXS_SMALL) || defined(VXS_WALKS_HERE)
-VXS_WALK uint32_t vxs_walk_taps(const vxs_baked_light *baked, int32_t map, int32_t i, int32_t j, uint32_t k, int32_t width_px)
+VXS_TAPS_FN uint32_t vxs_walk_taps(const vxs_baked_light *baked, int32_t map, int32_t i, int32_t j, uint32_t k, int32_t width_px)
 {
     return vxs_shadow_taps(baked->words, &baked->light, map, i, j, k, width_px);
 }
 
-VXS_WALK uint32_t vxs_walk_part(const vxs_baked_light *baked, vxs_place place, uint32_t k, int32_t width_px)
+VXS_TAPS_FN uint32_t vxs_walk_part(const vxs_baked_light *baked, vxs_place place, uint32_t k, int32_t width_px)
 {
     return vxs_shadow_part(baked->words, &baked->light, place, k, width_px);
 }
 
-VXS_WALK vxs_place vxs_place_of(const vxs_light *light, const double point_ws[3], const double normal_ws[3], vxs_filter filter)
+VXS_TAPS_FN vxs_place vxs_place_of(const vxs_light *light, const double point_ws[3], const double normal_ws[3], vxs_filter filter)
 {
     return vxs_place_from_ws(light, point_ws, normal_ws, filter);
 }

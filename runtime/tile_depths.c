@@ -48,7 +48,7 @@ static void mask_depths(const uint32_t *words, const vxs_depths_tile *r, const i
 }
 
 /* Nibble of a texel: an index, or relative to a base of its quadrant. */
-static uint32_t nibble_at(const uint32_t *words, const vxs_blocks_tile *tile, uint32_t c, uint32_t z)
+static uint32_t tile_nibble(const uint32_t *words, const vxs_blocks_tile *tile, uint32_t c, uint32_t z)
 {
     return vxs_byte(words, tile->pool, 2 * tile->at + 16 * (c & 1) + z) >> 4 * (c >> 1) & 15;
 }
@@ -56,7 +56,7 @@ static uint32_t nibble_at(const uint32_t *words, const vxs_blocks_tile *tile, ui
 static void nibble_depths(const uint32_t *words, const vxs_depths_tile *r, const int32_t *entries, int32_t depth[64])
 {
     for (uint32_t n = 0; n < 64; n++)
-        depth[8 * row_of(n >> 4, n & 15) + column_of(n >> 4, n & 15)] = entries[nibble_at(words, &r->tile, n >> 4, n & 15)];
+        depth[8 * row_of(n >> 4, n & 15) + column_of(n >> 4, n & 15)] = entries[tile_nibble(words, &r->tile, n >> 4, n & 15)];
 }
 
 /* Read the depths of all texels of a tile; returns as vxs_tile_depths. */
@@ -77,7 +77,7 @@ static int read_depths(const uint32_t *words, const vxs_depths_tile *r, int32_t 
             const vxs_blocks_tile *tile = &r->tile;
             uint32_t               c = n >> 4, z = n & 15, size = tile->kind - 3; /* bytes of a depth, but for nibbles */
             uint64_t               value              = tile->kind == VXS_BLOCKS_NIBBLES
-                                                            ? nibble_at(words, tile, c, z) + (tile->bases >> 8 * c & 0xff)
+                                                            ? tile_nibble(words, tile, c, z) + (tile->bases >> 8 * c & 0xff)
                                                             : vxs_four_bytes(words, tile->pool, 2 * tile->at + size * n) & vxs_first_bytes((int32_t)size);
             depth[8 * row_of(c, z) + column_of(c, z)] = vxs_depths_held(r->base + (int64_t)(value << r->shift), low, high);
         }
