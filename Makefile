@@ -37,6 +37,8 @@
 #   make bench-bias     acne, leaks and peter-panning of lookups with a normal: an hour; JSON to build/bias.json
 #   make bench-flight   fly over a city within 4 MiB, at 16384 and 65536 texels a side: four minutes; JSON to build/flight_*.json
 #   make program-size   print the SPIR-V instructions of every program for graphics processors, and their ceilings
+#   make amalgamation   the runtime as two files, vxs.h and vxs.c, and zstd's decoder as a third: build/amalgamation
+#   make dist           the sources of the last commit: build/vxs-VERSION.tar.gz
 #   make wgsl           translate lookups, and with them intervals of rays, for WebGPU: build/release/vxs_lookup.wgsl and
 #                       vxs_intervals.wgsl. Needs naga-cli of crates.io and glslang-tools. only="KIND=1 CODING=2" leaves out code
 #                       for other lights, as VXS_ONLY_KIND and VXS_ONLY_CODING do in shaders
@@ -200,6 +202,7 @@ include runtime/install/install.mk
 include runtime/web/web.mk
 include baker/blender/blender.mk
 include tests/blender/blender.mk
+include runtime/install/amalgamation.mk
 
 $B/vxs-core: $B/baker/main.c.o $(command.o) $(no_lab.c:%=$B/%.o) $B/bake.a $B/libvxs_volumes.a $B/libvxs.a
 $B/vxs-core: libs = $(core.libs)
