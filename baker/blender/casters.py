@@ -6,6 +6,8 @@ from typing import Any, Iterator
 
 import bpy
 
+from .settings import own
+
 MOVING_PATHS = ("location", "rotation", "scale", "delta_")
 
 
@@ -98,7 +100,7 @@ class Casters:
             return "are the region"
         if not ob.visible_shadow:
             return "have no shadow visibility"
-        if not ob.vxs.casts:
+        if not own(ob).casts:
             return "are set to cast no baked shadows"
         line = list(ancestors(ob))
         if any(item and not item.get("vxs_cast_shadow", True) for o in line for item in (o, o.data)):

@@ -9,11 +9,14 @@ import shutil
 import signal
 import subprocess
 import threading
+import time
 from itertools import product
 from typing import Any, Sequence
 
 import bpy
 from mathutils import Vector
+
+from .settings import own
 
 
 class VxsMissing(Exception):
@@ -72,7 +75,7 @@ def bake_arguments(context: bpy.types.Context, settings: Any, lights: dict[str, 
     if settings.blend != "auto":
         arguments += ["--blend", settings.blend]
     for name, light in lights.items():
-        if light.vxs.detail != "SCENE":
+        if own(light).detail != "SCENE":
             arguments += detail_arguments(light.vxs, name + "=")
     if settings.region:
         arguments += ["--region", region_argument(settings.region)]
@@ -87,8 +90,9 @@ def bake_arguments(context: bpy.types.Context, settings: Any, lights: dict[str, 
 
 
 def read_progress(line: str) -> dict[str, Any]:
+    kinds = {"share": (int, float), "seconds_left": (int, float), "doing": str}
     try:
-        return json.loads(line)
+        return {key: value for key, value in json.loads(line).items() if isinstance(value, kinds.get(key, ()))}
     except ValueError:
         return {}
 
@@ -103,6 +107,7 @@ class Run:
             raise VxsMissing(f"{vxs} does not start: {error.strerror}") from error
         self.lines: queue.SimpleQueue[str] = queue.SimpleQueue()
         self.errors: list[str] = []
+        self.kill_at = 0.0  # when a cancelled vxs has had its time
         self.reader = threading.Thread(target=self._read, daemon=True)
         self.reader.start()
 
@@ -125,9 +130,14 @@ class Run:
         return status, progress
 
     def cancel(self) -> None:
-        """Ask vxs to stop; it takes its unfinished file away."""
-        if self.process.poll() is None:
+        """Ask vxs to stop; it takes its unfinished file away. Called again, it kills a vxs that did not stop within 5 seconds."""
+        if self.process.poll() is not None:
+            return
+        if not self.kill_at:
+            self.kill_at = time.monotonic() + 5
             self.process.send_signal(signal.SIGTERM if os.name == "nt" else signal.SIGINT)
+        elif time.monotonic() > self.kill_at:
+            self.process.kill()
 
     def finish(self) -> None:
         """Wait for the end; a vxs that does not stop within 5 seconds is killed."""

@@ -14,6 +14,7 @@ from .glb import Glb
 from .images import Images
 from .lights import gltf_light
 from .materials import Appearance, appearance
+from .settings import own
 
 Y_UP = [-0.7071067811865476, 0.0, 0.0, 0.7071067811865476]  # from Blender's axes to glTF's
 NOT_BAKED = {"CURVES": "are hair curves", "POINTCLOUD": "are point clouds", "VOLUME": "are volumes"}
@@ -169,7 +170,7 @@ class Writer:
     def light_node(self, place: Place) -> int | None:
         light = place.light.data
         value = gltf_light(light, place.light.matrix_world)
-        if not light.vxs.bake:
+        if not own(light).bake:
             return None
         if value is None:
             self.level.notes.append((f"light '{light.name}' is an area light, which is not baked: use a point, spot or sun light",

@@ -3,6 +3,9 @@
 # flake8: noqa: F722, F821 -- annotations of Blender are properties, not types
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import bpy
 from bpy.app.handlers import persistent
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
@@ -103,6 +106,14 @@ class VxsPreferences(AddonPreferences):
     def draw(self, _context: Context) -> None:
         for name in ("vxs", "threads", "memory"):
             self.layout.prop(self, name)
+
+
+UNTOUCHED = SimpleNamespace(bake=True, detail="SCENE", casts=True)
+
+
+def own(holder: Light | Object) -> Any:
+    """The settings of a light or an object. One that has none is only read, as holder.vxs would make some in the user's file."""
+    return holder.vxs if holder.is_property_set("vxs") else UNTOUCHED
 
 
 CLASSES = (VxsSceneSettings, VxsLightSettings, VxsObjectSettings, VxsNamed, VxsMessage, VxsState, VxsPreferences)
