@@ -3,5 +3,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 
 .PHONY: check-blender
-check-blender: $B/vxs
-	@VXS=$(abspath $B/vxs) $(python) tests/blender/run $(if $(only),--only $(only))
+check-blender: $B/vxs $(blender.zip)
+	@VXS=$(abspath $B/vxs) ADDON=$(abspath $(blender.zip)) BLENDER="$(BLENDER)" $(python) tests/blender/run $(if $(only),--only $(only))

@@ -1,5 +1,6 @@
 # Blenders to test in, each one process that answers requests (inside.py) for all tests of a run.
-# BLENDER: a Blender (default: of PATH).  BPY: Pythons with the module bpy, separated by colons.  VXS: the command.
+# BLENDER: a Blender (default: of PATH).  BPY: Pythons with the module bpy, separated by colons.
+# VXS: the command.  ADDON: the add-on's zip.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import json
 import os
@@ -17,6 +18,9 @@ if len(HOSTS) == 1:
     HOSTS["bpy"] = ""
 
 
+ADDON = ROOT / os.environ.get("ADDON", "build/blender/vxs_shadows-0.1.0.zip")
+
+
 class Died(Exception):
     pass
 
@@ -26,6 +30,7 @@ class Inside:
 
     def __init__(self, program, home, environment=None):
         self.log = home / "log"
+        (home / "tmp").mkdir()
         to_read, to_write = os.pipe()
         from_read, from_write = os.pipe()
         name = pathlib.Path(program).name
@@ -34,7 +39,8 @@ class Inside:
             self.process = subprocess.Popen(
                 [*start, FOLDER / "inside.py", "--", str(to_read), str(from_write)], stdin=subprocess.DEVNULL, stdout=log,
                 stderr=subprocess.STDOUT, pass_fds=(to_read, from_write), cwd=home,
-                env={**os.environ, "HOME": str(home), "XDG_CONFIG_HOME": str(home / ".config"), "PYTHONDONTWRITEBYTECODE": "1",
+                env={**os.environ, "HOME": str(home), "XDG_CONFIG_HOME": str(home / ".config"), "TMPDIR": str(home / "tmp"),
+                     "PYTHONDONTWRITEBYTECODE": "1",
                      **(environment or {})})
         os.close(to_read)
         os.close(from_write)
@@ -56,7 +62,10 @@ class Inside:
     def close(self):
         self.requests.close()
         self.replies.close()
-        self.process.wait(60)
+        try:
+            self.process.wait(20)
+        except subprocess.TimeoutExpired:  # the module bpy sometimes hangs when Python ends
+            self.process.kill()
 
 
 def path_of(host):
@@ -85,6 +94,16 @@ def blender(program, tmp_path_factory):
     started = Inside(program, tmp_path_factory.mktemp("blender"))
     yield started
     started.close()
+
+
+@pytest.fixture(scope="session")
+def addon(blender, vxs_path):
+    """The same, with the add-on installed from its zip, and the command in its preferences."""
+    if not ADDON.is_file():
+        pytest.skip(f"no add-on at {ADDON}: make blender")
+    blender("install", path=str(ADDON))
+    blender("prefer", vxs=str(vxs_path))
+    return blender
 
 
 @pytest.fixture(scope="session")

@@ -120,6 +120,7 @@ def instances():
 def mirrored():
     """Negative scales, of one axis and of three, and a mirror modifier."""
     floor(16)
+
     def wedge(shape):
         bmesh.ops.create_cube(shape, size=1)
         for vertex in shape.verts:
@@ -298,16 +299,22 @@ def many():
 
 
 def particles():
-    """Hair that draws a shrub and emitted particles that draw a collection; the source objects are hidden."""
+    """Hair that draws a shrub."""
     ground = floor(20, cells=8)
     shrub = place(cone("shrub", 0.4, 0, 1, True), "shrub", (0, 0, -30), (0, 90, 0))
-    stones = collection("stones", True)
-    for n in range(2):
-        place(ball(0.25 + 0.1 * n, f"stone {n}", 8), f"stone {n}", (n, 0, -20), collection=stones)
     ground.modifiers.new("shrubs", "PARTICLE_SYSTEM")
     hair = ground.particle_systems[0].settings
     hair.type, hair.count, hair.render_type, hair.instance_object = "HAIR", 60, "OBJECT", shrub
     hair.particle_size, hair.size_random, hair.use_advanced_hair = 1.0, 0.4, True
+    sun((35, -20, 0))
+
+
+def emitted():
+    """Emitted particles that draw a collection."""
+    floor(20)
+    stones = collection("stones", True)
+    for n in range(2):
+        place(ball(0.25 + 0.1 * n, f"stone {n}", 8), f"stone {n}", (n, 0, -20), collection=stones)
     tray = place(mesh_of("tray", lambda shape: bmesh.ops.create_grid(shape, x_segments=3, y_segments=3, size=3)), "tray", (0, 0, 3))
     tray.modifiers.new("stones", "PARTICLE_SYSTEM")
     shed = tray.particle_systems[0].settings
@@ -386,8 +393,32 @@ def sheared():
     sun((35, 15, 0))
 
 
+def movers():
+    """What the add-on leaves out: movers and their children, what is animated or deformed, and what is asked not to cast."""
+    floor(20)
+    mesh = box("crate")
+    place(mesh, "stays", (-6, -3, 0))
+    moving = collection("moving", True)
+    door = place(mesh, "door", (-3, -3, 0), collection=moving)
+    place(mesh, "knob", (0, 0, 1.2), parent=door)
+    lift = place(mesh, "lift", (0, -3, 0))
+    for frame, height in ((1, 0), (40, 3)):
+        lift.location.z = height
+        lift.keyframe_insert("location", frame=frame)
+    place(mesh, "on lift", (0, 0, 1), (0, 0, 45), parent=lift)
+    place(mesh, "unseen by lamps", (3, -3, 0)).visible_shadow = False
+    place(mesh, "no caster", (6, -3, 0))["vxs_cast_shadow"] = False
+    bones = bpy.data.objects.new("bones", bpy.data.armatures.new("bones"))
+    bpy.context.scene.collection.objects.link(bones)
+    figure = place(mesh, "figure", (-3, 3, 0))
+    figure.modifiers.new("bones", "ARMATURE").object = bones
+    place(mesh, "set not to cast", (0, 3, 0))
+    place(mesh, "still", (3, 3, 0)).keyframe_insert("location", frame=1)
+    sun((40, 20, 0))
+
+
 SCENES = {build.__name__: build for build in (instances, mirrored, array, decimated, boolean, centimetres, leaves, lamps, dome, many,
-                                              particles, nodes, shapes, sheared)}
+                                              particles, emitted, nodes, shapes, sheared, movers)}
 
 
 def make(name):
@@ -395,4 +426,3 @@ def make(name):
     bpy.context.scene.name = name
     SCENES[name]()
     bpy.context.view_layer.update()
-

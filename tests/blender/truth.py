@@ -19,7 +19,7 @@ def show_only_what_casts(left_out):
         collection.hide_viewport |= collection.hide_render
     for thing in bpy.context.scene.objects:
         thing.hide_viewport |= thing.hide_render or thing.name in left_out
-    bpy.context.view_layer.update()
+    bpy.context.scene.frame_set(bpy.context.scene.frame_current)  # emitted particles are there again
 
 
 class Image:
