@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#ifndef VXS_ONE_THREAD
+#if !defined(VXS_ONE_THREAD) && !defined(__wasm__)
 
 int threads_wait_until(os_signal *s, os_mutex *m, double until)
 {

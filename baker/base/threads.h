@@ -15,8 +15,8 @@
 extern "C" {
 #endif
 
-/* 0: built with threads=1. */
-#ifdef VXS_ONE_THREAD
+/* 0: no thread can be started that outlives a loop. Built with threads=1, or WebAssembly (baker/web/threads_web.c). */
+#if defined(VXS_ONE_THREAD) || defined(__wasm__)
 enum { HAS_THREADS = 0 };
 #else
 enum { HAS_THREADS = 1 };

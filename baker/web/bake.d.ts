@@ -44,6 +44,11 @@ export interface BakeOptions {
   level?: number;
   /** Memory that the bake may hold: bytes, or '800M'. At most 4 GiB. */
   memory?: string | number;
+  /**
+   * Threads, at most 64, each a worker; never changes the bytes. Default: 1. More take a second WebAssembly, and in a browser a page that
+   * is cross-origin isolated; elsewhere the bake runs on one.
+   */
+  threads?: number;
   /** A warning is an error. */
   strict?: boolean;
   [option: string]: unknown;
@@ -61,7 +66,7 @@ export interface BakeSettings {
   onProgress?: (progress: BakeProgress) => void;
   /** Ends the worker at once; bake() rejects with signal.reason. */
   signal?: AbortSignal;
-  /** The WebAssembly, when it is not to be fetched from beside the module: baker/vxs.wasm of the package. */
+  /** The WebAssembly, when it is not to be fetched from beside the module: baker/vxs.wasm of the package, or with threads vxs-threads.wasm. */
   wasm?: string | URL | Response | BufferSource | WebAssembly.Module;
   /** Files that the scene names: buffers and images of a .gltf, grids of smoke. Names are relative to the scene. */
   files?: Record<string, Uint8Array>;

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // bake(): the command, on files in memory, in a worker of a browser or of Node. bake.d.ts has its contract.
 
+import { needsMemory, sharedMemory } from './host.mjs';
+import { startThreads, startWorker } from './workers.mjs';
+
 const INTERVAL_MS = 100;
-let ownModule;
+const ownModules = {};
 
 export class BakeError extends Error {
   constructor(message, status, messages) {
@@ -30,37 +33,34 @@ async function readOwn(url) {
 async function compile(source) {
   if (source instanceof WebAssembly.Module) return source;
   if (ArrayBuffer.isView(source) || source instanceof ArrayBuffer) return WebAssembly.compile(source);
-  const url = source ?? new URL('./vxs.wasm', import.meta.url);
-  if (url instanceof URL && url.protocol === 'file:' && typeof process === 'object') return WebAssembly.compile(await readOwn(url));
-  const response = url instanceof Response ? url : await fetch(url);
+  if (source instanceof URL && source.protocol === 'file:' && typeof process === 'object') return WebAssembly.compile(await readOwn(source));
+  const response = source instanceof Response ? source : await fetch(source);
   if (!response.ok) throw new BakeError(`${response.url}: ${response.status} ${response.statusText}`, 3, '');
   return WebAssembly.compile(await response.arrayBuffer());
 }
 
-/** A worker with the few functions that both kinds have: post, on('message' | 'error'), end. */
-async function startWorker() {
-  if (typeof Worker === 'function') {
-    const worker = new Worker(new URL('./bake_worker.mjs', import.meta.url), { type: 'module' });
-    return {
-      post: (message) => worker.postMessage(message),
-      onMessage: (call) => worker.addEventListener('message', (event) => call(event.data)),
-      onError: (call) => worker.addEventListener('error', (event) => call(new Error(event.message || 'the worker cannot be loaded'))),
-      end: () => worker.terminate(),
-    };
-  }
-  const threads = await import(/* @vite-ignore */ /* webpackIgnore: true */ 'node:worker_threads');
-  const worker = new threads.Worker(new URL('./bake_worker.mjs', import.meta.url), { resourceLimits: { stackSizeMb: 8 } });
-  return {
-    post: (message) => worker.postMessage(message),
-    onMessage: (call) => worker.on('message', call),
-    onError: (call) => worker.on('error', call),
-    end: () => worker.terminate(),
-  };
+const lentMemory = () => (typeof SharedArrayBuffer === 'function' && globalThis.crossOriginIsolated !== false ? sharedMemory() : undefined);
+
+/** The package's own module, and memory for it if it has threads. */
+async function ownModule(threads) {
+  const memory = threads > 1 ? lentMemory() : undefined;
+  ownModules[Boolean(memory)] ??= compile(memory ? new URL('./vxs-threads.wasm', import.meta.url) : new URL('./vxs.wasm', import.meta.url));
+  return { module: await ownModules[Boolean(memory)], memory };
 }
+
+async function givenModule(source) {
+  const module = await compile(source);
+  const memory = needsMemory(module) ? lentMemory() : undefined;
+  if (needsMemory(module) && !memory) throw new BakeError('WebAssembly with threads needs a page that is cross-origin isolated', 3, '');
+  return { module, memory };
+}
+
+const commandInBrowser = () => new Worker(new URL('./bake_worker.mjs', import.meta.url), { type: 'module' });
 
 /** Runs the command in a worker, and ends the worker. */
 async function runInWorker(request, onProgress, signal) {
-  const worker = await startWorker();
+  const worker = await startWorker(commandInBrowser, new URL('./bake_worker.mjs', import.meta.url));
+  let endThreads = () => {};
   let abort;
   let shownAt = -Infinity;
   try {
@@ -70,7 +70,8 @@ async function runInWorker(request, onProgress, signal) {
       signal?.throwIfAborted();
       worker.onError(reject);
       worker.onMessage((message) => {
-        if (!message.progress) resolve(message);
+        if (message.lent) endThreads = startThreads(message.lent, ({ status, messages }) => resolve({ status, messages, results: [] }));
+        else if (!message.progress) resolve(message);
         else if (performance.now() - shownAt >= INTERVAL_MS) {
           shownAt = performance.now();
           onProgress(message.progress);
@@ -81,14 +82,16 @@ async function runInWorker(request, onProgress, signal) {
   } finally {
     signal?.removeEventListener('abort', abort);
     worker.end();
+    endThreads();
   }
 }
 
 export async function bake(glb, options = {}, { onProgress, signal, wasm, files } = {}) {
   signal?.throwIfAborted();
-  const module = await (wasm ? compile(wasm) : (ownModule ??= compile()));
+  const threads = Number(options.threads) || 1;
   const request = {
-    module,
+    ...(await (wasm ? givenModule(wasm) : ownModule(threads))),
+    threads,
     args: ['bake', 'scene.glb', '-o', 'scene.vxs', '--json', 'report.json', ...argumentsOf(options)],
     files: { ...files, 'scene.glb': glb },
     results: ['scene.vxs', 'report.json'],

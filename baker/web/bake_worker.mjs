@@ -1,33 +1,33 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The worker of bake(): runs the command once, on files in memory.
 import { MemoryFiles } from './files_memory.mjs';
-import { runCommand } from './host.mjs';
+import { failureOf, runCommand } from './host.mjs';
 
-const OUT_OF_MEMORY = 6;
-const CRASHED = 134;
-
-function run(port, { module, args, files, results, progress }) {
+function run(port, { module, memory, threads, args, files, results, progress }) {
   const decoders = [undefined, new TextDecoder(), new TextDecoder()];
   const printed = ['', '', ''];
-  const memory = new MemoryFiles(files, (fd, bytes) => (printed[fd] += decoders[fd].decode(bytes, { stream: true })));
+  const kept = new MemoryFiles(files, (fd, bytes) => (printed[fd] += decoders[fd].decode(bytes, { stream: true })));
   let status;
   try {
     status = runCommand(module, {
       args,
       env: {},
-      files: memory,
+      files: kept,
       system: {
         process: 1,
         processors: 1,
         availableBytes: () => Infinity,
         progress: progress && ((share, doing) => port.postMessage({ progress: { share, doing } })),
       },
+      memory,
+      startThreads: memory && (() => port.postMessage({ lent: { module, memory, threads } })),
     });
   } catch (error) {
-    status = error instanceof RangeError ? OUT_OF_MEMORY : CRASHED;
-    printed[2] += `vxs: error: ${status === OUT_OF_MEMORY ? 'out of memory' : error.message}\n`;
+    const failure = failureOf(error);
+    status = failure.status;
+    printed[2] += failure.messages;
   }
-  return { status, output: printed[1], messages: printed[2], results: results.map((name) => memory.bytes(name)?.slice()) };
+  return { status, output: printed[1], messages: printed[2], results: results.map((name) => kept.bytes(name)?.slice()) };
 }
 
 function answer(port, request) {

@@ -11,6 +11,12 @@ const ERRNO = {
 };
 const AT_FDCWD = -100;
 const LARGEST_READ = 1 << 30;
+const PAGES = { initial: 256, maximum: 65536 };
+// of threads_web.c: the state of a worker, and the words of its place
+const ARRIVED = 1;
+const BUSY = 4;
+const STATE = 0;
+const STACK_TOP = 1;
 
 /** An error of a file operation, with the code that Node gives such errors. */
 export function fileError(code) {
@@ -23,6 +29,31 @@ class Exit extends Error {
     this.status = status;
   }
 }
+
+const OUT_OF_MEMORY = 6;
+const CRASHED = 134;
+
+/** How a command ends that an error of the host has ended: the exit status and a message. */
+export function failureOf(error) {
+  const status = error instanceof RangeError ? OUT_OF_MEMORY : CRASHED;
+  return { status, messages: `vxs: error: ${status === OUT_OF_MEMORY ? 'out of memory' : error.message}\n` };
+}
+
+/** Memory for a module that needsMemory(); undefined where the host lends none. */
+export function sharedMemory() {
+  try {
+    return new WebAssembly.Memory({ ...PAGES, shared: true });
+  } catch {
+    return undefined;
+  }
+}
+
+/** Whether a module is the one with threads. */
+export const needsMemory = (module) => WebAssembly.Module.imports(module).some(({ kind }) => kind === 'memory');
+
+// threads must agree on the time, and each has its own origin
+const clocks = { 0: () => Date.now(), 1: () => performance.timeOrigin + performance.now() };
+const nanoseconds = (clock) => BigInt(Math.round((clocks[clock] ?? clocks[1])() * 1e6));
 
 /** Descriptors of a run. Each is { handle, position, users, path, isBroken }; position is null where files have none: pipes, terminals. */
 class Descriptors {
@@ -96,13 +127,14 @@ class Descriptors {
  * @param {Record<string, string>} run.env
  * @param {object} run.files     file operations; they throw errors with a code
  * @param {object} run.system    { process, processors, availableBytes(), columns?, progress?(share, doing) }
+ * @param {WebAssembly.Memory} [run.memory]   of a module with threads
+ * @param {() => void} [run.startThreads]     called before the command runs: calls runThread in other workers
  * @returns {number} the exit status
  */
-export function runCommand(module, { args, env, files, system }) {
+export function runCommand(module, { args, env, files, system, memory, startThreads }) {
   const descriptors = new Descriptors(files);
   const encoder = new TextEncoder();
   const decoder = new TextDecoder();
-  let memory;
   let bytes = new Uint8Array(0);
   const heap = () => (bytes.buffer === memory.buffer ? bytes : (bytes = new Uint8Array(memory.buffer)));
   const view = () => new DataView(memory.buffer);
@@ -111,7 +143,7 @@ export function runCommand(module, { args, env, files, system }) {
 
   function text(at) {
     const all = heap();
-    return decoder.decode(all.subarray(at >>> 0, all.indexOf(0, at >>> 0)));
+    return decoder.decode(all.slice(at >>> 0, all.indexOf(0, at >>> 0))); // no decoder reads shared memory
   }
 
   /** The path of a name in an open folder. */
@@ -200,8 +232,6 @@ export function runCommand(module, { args, env, files, system }) {
     }
     setSize(size, sum);
   }
-  const clocks = { 0: () => BigInt(Date.now()) * 1000000n, 1: () => BigInt(Math.round(performance.now() * 1e6)) };
-
   const wasi = guardAll(1, {
     args_get: (pointers, at) => putTexts(argumentBytes, pointers, at),
     args_sizes_get: (count, size) => putSizes(argumentBytes, count, size),
@@ -222,7 +252,7 @@ export function runCommand(module, { args, env, files, system }) {
     },
     fd_close: (fd) => descriptors.close(fd),
     fd_sync: (fd) => files.sync(descriptors.at(fd).handle),
-    clock_time_get: (clock, precision, out) => view().setBigUint64(out >>> 0, (clocks[clock] ?? clocks[1])(), true),
+    clock_time_get: (clock, precision, out) => view().setBigUint64(out >>> 0, nanoseconds(clock), true),
     clock_res_get: (clock, out) => view().setBigUint64(out >>> 0, 1000n, true),
     proc_exit: (status) => {
       throw new Exit(status);
@@ -232,12 +262,53 @@ export function runCommand(module, { args, env, files, system }) {
   const instance = new WebAssembly.Instance(module, {
     vxs,
     wasi_snapshot_preview1: wasi,
-    env: { emscripten_notify_memory_growth() {} },
+    env: { memory, emscripten_notify_memory_growth() {} },
   });
-  memory = instance.exports.memory;
+  memory ??= instance.exports.memory;
+  startThreads?.();
   try {
     instance.exports._start();
     return 0;
+  } catch (error) {
+    if (error instanceof Exit) return error.status;
+    throw error;
+  }
+}
+
+/**
+ * Runs work of the command in this worker, until the worker is ended. Threads compute: they call nothing of the host that has a state.
+ * @param {number} number            of the thread, from 0 on
+ * @param {() => number} availableBytes
+ * @returns {number} the exit status, if the command ends here
+ */
+export function runThread(module, memory, number, availableBytes) {
+  const calls = {
+    memory,
+    emscripten_notify_memory_growth() {},
+    available_bytes: availableBytes,
+    clock_time_get(clock, precision, out) {
+      new DataView(memory.buffer).setBigUint64(out >>> 0, nanoseconds(clock), true);
+      return 0;
+    },
+    proc_exit(status) {
+      throw new Exit(status);
+    },
+  };
+  const imports = {};
+  for (const { module: from, name } of WebAssembly.Module.imports(module)) {
+    const refuse = () => {
+      throw new Error(`a thread has called ${name}`);
+    };
+    (imports[from] ??= {})[name] = calls[name] ?? refuse;
+  }
+  const { exports } = new WebAssembly.Instance(module, imports);
+  const place = exports.worker_place(number);
+  const words = new Int32Array(memory.buffer, place, 2);
+  Atomics.store(words, STATE, ARRIVED);
+  for (let state; (state = Atomics.load(words, STATE)) !== BUSY;) Atomics.wait(words, STATE, state);
+  exports.stackRestore(words[STACK_TOP]);
+  try {
+    return exports.run_worker(place);
   } catch (error) {
     if (error instanceof Exit) return error.status;
     throw error;

@@ -310,7 +310,7 @@ int system_program(char *path, size_t room)
     return 0;
 }
 
-static uint32_t kept;
+static _Thread_local uint32_t kept;
 
 void setTempRet0(uint32_t value)
 {

@@ -41,6 +41,28 @@ test('Node: many at once do not disturb each other', async () => {
   for (const [n, { vxs: bytes }] of results.entries()) if (sizes[n] === 1024) assert.ok(expected.equals(bytes));
 });
 
+test('Node: threads have the same bytes, and end with the bake', async () => {
+  const tasks = () => (fs.existsSync('/proc/self/task') ? fs.readdirSync('/proc/self/task').length : 0);
+  await bake(glb, { resolution: 64 });
+  const before = tasks();
+  const results = await Promise.all([2, 4, 9].map((threads) => bake(glb, { resolution: 1024, threads })));
+  for (const { vxs: bytes } of results) assert.ok(expected.equals(bytes));
+  const start = performance.now();
+  await assert.rejects(bake(glb, { ...LONG, threads: 3 }, { signal: AbortSignal.timeout(500) }), { name: 'TimeoutError' });
+  assert.ok(performance.now() - start < 5000);
+  await assert.rejects(bake(glb, { threads: 0 }), /^BakeError: --threads 0: expected/);
+  for (let n = 0; n < 100 && tasks() > before; n++) await new Promise((resolve) => setTimeout(resolve, 50));
+  assert.ok(tasks() <= before);
+});
+
+test('Node: WebAssembly that is given decides whether there are threads', async () => {
+  for (const name of ['vxs', 'vxs-threads'])
+    for (const threads of [1, 3]) {
+      const { vxs: bytes } = await bake(glb, { resolution: 1024, threads }, { wasm: fs.readFileSync(path.join(PACKAGE, `baker/${name}.wasm`)) });
+      assert.ok(expected.equals(bytes), `${name} ${threads}`);
+    }
+});
+
 test('Node: errors are those of the command, with its exit status', async () => {
   const cases = [
     [glb, { resolution: 1000 }, ['--resolution', '1000']],
@@ -96,18 +118,21 @@ test('Node: an abort ends a bake at once', async () => {
 });
 
 test('browser', { skip: noBrowser, timeout: 120_000 }, async (t) => {
-  let browser, server, page;
+  let browser, server, page, isolated, isolatedPage;
   before(async () => {
     server = await serve(folder);
+    isolated = await serve(folder, { 'cross-origin-opener-policy': 'same-origin', 'cross-origin-embedder-policy': 'require-corp' });
     browser = await launch();
-    page = await openPage();
+    page = await openPage(server);
+    isolatedPage = await openPage(isolated);
   });
   after(async () => {
     await browser?.close();
     await server?.close();
+    await isolated?.close();
   });
   /** As openPage of browser.mjs, but requests are only watched: where they are intercepted, imports of workers may wait for ever. */
-  async function openPage() {
+  async function openPage(server) {
     const opened = await browser.newPage();
     opened.faults = [];
     opened.on('console', (message) => ['error', 'warn', 'warning'].includes(message.type()) && opened.faults.push(message.text()));
@@ -116,7 +141,7 @@ test('browser', { skip: noBrowser, timeout: 120_000 }, async (t) => {
     await opened.goto(`${server.url}/page?three=three`);
     return opened;
   }
-  const call = (name, argument) => run(page, '/tests/bake_page.mjs', name, argument);
+  const call = (name, argument, on = page) => run(on, '/tests/bake_page.mjs', name, argument);
 
   await t.test('the bytes of the command, its report and its progress', async () => {
     const result = await call('bakeScene', { url: '/files/city.glb', options: { resolution: 1024 } });
@@ -139,6 +164,24 @@ test('browser', { skip: noBrowser, timeout: 120_000 }, async (t) => {
     const { name, ticks, ms } = await call('aborted', { url: '/files/city.glb', options: LONG });
     assert.equal(name, 'AbortError');
     assert.ok(ticks > 5 && ms < 5000, `${ticks} ticks in ${ms} ms`);
+  });
+  await t.test('threads where the page is isolated, one thread elsewhere', async () => {
+    const bakeIt = { url: '/files/city.glb', options: { resolution: 1024, threads: 4 } };
+    for (const [on, workers, name] of [[isolatedPage, 4, 'vxs-threads'], [page, 1, 'vxs']]) {
+      const result = await call('bakeScene', bakeIt, on);
+      assert.ok(expected.equals(Buffer.from(result.vxs, 'base64')));
+      assert.equal(result.workers, workers);
+      assert.ok(result.progress.length);
+      assert.deepEqual(result.modules.slice(-1), [`${name}.wasm`]);
+    }
+    const { name, ticks, ms } = await call('aborted', { url: '/files/city.glb', options: { ...LONG, threads: 3 } }, isolatedPage);
+    assert.equal(name, 'AbortError');
+    assert.ok(ticks > 5 && ms < 5000, `${ticks} ticks in ${ms} ms`);
+    assert.equal((await call('failure', { ...bakeIt, options: { threads: 2, memory: '1M' } }, isolatedPage)).status, 6);
+    const given = { ...bakeIt, settings: { wasm: `${server.url}/vxs/baker/vxs-threads.wasm` } };
+    assert.deepEqual(await call('failure', given),
+      { isBakeError: true, name: 'BakeError', message: 'WebAssembly with threads needs a page that is cross-origin isolated', status: 3 });
+    assert.deepEqual(isolatedPage.faults, []);
   });
   await t.test('nothing is reported as a fault', () => assert.deepEqual(page.faults, []));
 });

@@ -5,11 +5,22 @@ import { BakeError, bake } from '/vxs/baker/bake.mjs';
 const fetchBytes = async (url) => new Uint8Array(await (await fetch(url)).arrayBuffer());
 const base64 = (bytes) => btoa(Array.from(bytes, (byte) => String.fromCharCode(byte)).join(''));
 
+let workers = 0;
+globalThis.Worker = class extends Worker {
+  constructor(...parameters) {
+    super(...parameters);
+    workers++;
+  }
+};
+
 export async function bakeScene({ url, options, settings }) {
   const progress = [];
+  workers = 0;
   const glb = await fetchBytes(url);
   const result = await bake(glb, options, { ...settings, onProgress: (p) => progress.push(p) });
-  return { vxs: base64(result.vxs), kept: glb.length, report: result.report, messages: result.messages, summary: result.summary, progress };
+  const modules = performance.getEntriesByType('resource').map(({ name }) => name.split('/').at(-1)).filter((name) => name.endsWith('.wasm'));
+  const { report, messages, summary } = result;
+  return { vxs: base64(result.vxs), kept: glb.length, report, messages, summary, progress, workers, modules };
 }
 
 export async function failure({ url, options, settings }) {

@@ -37,15 +37,15 @@ const pageText = (three, webgpu) => `<!doctype html><meta charset="utf-8"><title
 
 /**
  * Serve folders: /vxs the package, /lib the libraries, /tests this folder, /bench tests/bench, and `files`, a folder of the
- * test, as /files. Answers ranges.
+ * test, as /files. Answers ranges. common: headers of all answers.
  * Returns { url, close() }.
  */
-export async function serve(files = here) {
+export async function serve(files = here, common = {}) {
   const roots = { vxs: PACKAGE, lib: LIBRARIES, tests: here, bench: path.resolve(here, '../bench'), files };
   const server = http.createServer((request, response) => {
     const url = new URL(request.url, 'http://localhost'), [, root, ...rest] = decodeURIComponent(url.pathname).split('/');
     if (root === 'page') {
-      response.writeHead(200, { 'content-type': 'text/html' });
+      response.writeHead(200, { ...common, 'content-type': 'text/html' });
       return response.end(pageText(url.searchParams.get('three'), url.searchParams.has('webgpu')));
     }
     const file = path.join(roots[root] ?? '/nowhere', ...rest);
@@ -54,7 +54,7 @@ export async function serve(files = here) {
       return response.end();
     }
     const bytes = fs.readFileSync(file), range = /^bytes=(\d+)-(\d*)$/.exec(request.headers.range ?? '');
-    const type = TYPES[path.extname(file)] ?? 'application/octet-stream', headers = { 'content-type': type, 'accept-ranges': 'bytes' };
+    const type = TYPES[path.extname(file)] ?? 'application/octet-stream', headers = { ...common, 'content-type': type, 'accept-ranges': 'bytes' };
     if (!range) {
       response.writeHead(200, { ...headers, 'content-length': bytes.length });
       return response.end(bytes);

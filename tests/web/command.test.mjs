@@ -47,7 +47,8 @@ async function both(args, { files = [], ...options } = {}) {
     const cwd = fs.mkdtempSync(at(`${kind}-`));
     for (const file of files) fs.linkSync(file, path.join(cwd, path.basename(file)));
     const result = await run(kind, args, { ...options, cwd });
-    const written = fs.readdirSync(cwd).filter((name) => !files.some((file) => path.basename(file) === name));
+    const written = fs.readdirSync(cwd, { recursive: true }).sort()
+      .filter((name) => fs.statSync(path.join(cwd, name)).isFile() && !files.some((file) => path.basename(file) === name));
     results[kind] = { ...result, files: Object.fromEntries(written.map((name) => [name, fs.readFileSync(path.join(cwd, name))])) };
     fs.rmSync(cwd, { recursive: true });
   }));
@@ -77,7 +78,9 @@ const smoke = generate('smoke.glb', 'smoke', '--capsules', '500');
 const asset = at('city.vxs');
 spawnSync(VXS, ['bake', city, '-o', asset, '--resolution', '1024', '--quiet']);
 
-const bake = (scene, ...options) => ['bake', path.basename(scene), '-o', 'out.vxs', '--json', 'out.json', '--threads', '1', ...options];
+const bakeOn = (threads, scene, ...options) =>
+  ['bake', path.basename(scene), '-o', 'out.vxs', '--json', 'out.json', '--threads', String(threads), ...options];
+const bake = (scene, ...options) => bakeOn(1, scene, ...options);
 
 test('bakes have the same bytes, reports and messages', async (t) => {
   const lines = [
@@ -95,6 +98,78 @@ test('bakes have the same bytes, reports and messages', async (t) => {
   ];
   for (const [scene, ...options] of lines)
     await t.test(`${path.basename(scene)} ${options.join(' ')}`, () => both(bake(scene, ...options), { files: [scene] }));
+});
+
+test('bakes on four threads have the same bytes, reports and messages', async (t) => {
+  const lines = [
+    [city, '--resolution', '4096'],
+    [city, '--resolution', '1024', '--coding', 'dag'],
+    [city, '--resolution', '1024', '--resume', 'cache', '--pack', 'fast'],
+    [city, '--resolution', '1024', '--memory', '1G', '--points', '2000', '--verbose'],
+    [forest, '--resolution', '1024'],
+    [lamps, '--resolution', '512'],
+    [room, '--resolution', '512'],
+    [smoke, '--resolution', '256', '--scene-smoke', 'on', '--sun', '0.3,-1,0.2'],
+  ];
+  for (const [scene, ...options] of lines)
+    await t.test(`${path.basename(scene)} ${options.join(' ')}`, () => both(bakeOn(4, scene, ...options), { files: [scene] }));
+});
+
+/** Runs the command on files of `folder`; `patch` is a module that Node runs before it. */
+const runPatched = (patch, args, options) =>
+  run('web', args, { env: { NODE_OPTIONS: `--import=data:text/javascript,${encodeURIComponent(patch)}` }, ...options });
+/** A patch: threads are made by `make`, from the class Worker, a URL and options. */
+const patchOf = (make) => `
+  import workers from 'node:worker_threads';
+  import { syncBuiltinESMExports } from 'node:module';
+  const { Worker } = workers;
+  const make = ${make};
+  workers.Worker = function (url, options) {
+    return String(url).endsWith('/thread_worker.mjs') ? make(Worker, url, options) : new Worker(url, options);
+  };
+  syncBuiltinESMExports();`;
+
+test('threads that cannot be started are no error', async () => {
+  const line = ['bake', city, '-o', 'few.vxs', '--resolution', '1024', '--quiet', '--threads', '4'];
+  const none = await runPatched(patchOf("() => { throw new Error('no thread') }"), line);
+  assert.deepEqual([none.status, none.errors], [0, '']);
+  assert.ok(fs.readFileSync(at('few.vxs')).equals(fs.readFileSync(asset)));
+  const late = await runPatched(patchOf("(Worker, url, options) => new Worker(new URL('./missing.mjs', url), options)"), line);
+  assert.deepEqual([late.status, late.errors], [0, '']);
+});
+
+test('a thread that fails ends the command, and no file is left', async () => {
+  const failing = "import { parentPort as p } from 'node:worker_threads'; p.once('message', () => p.postMessage({ status: 134, messages: 'vxs: error: it broke\\n' }))";
+  const patch = patchOf(`(Worker, url, options) => new Worker(new URL(${JSON.stringify(`data:text/javascript,${encodeURIComponent(failing)}`)}), options)`);
+  const before = fs.readdirSync(folder);
+  const line = ['bake', city, '-o', 'broken-thread.vxs', '--resolution', '65536', '--texel', 'sun=0.01', '--quiet', '--threads', '2'];
+  const { status, errors } = await runPatched(patch, line);
+  assert.deepEqual([status, errors], [134, 'vxs: error: it broke\n']);
+  assert.deepEqual(fs.readdirSync(folder), before);
+});
+
+/** Seconds of processor time of the threads of a run, most first. */
+async function secondsOfThreads(args) {
+  const child = spawn(process.execPath, [COMMAND, ...args], { cwd: folder, stdio: 'ignore' });
+  const seconds = new Map();
+  while (child.exitCode === null) {
+    await delay(5);
+    for (const task of fs.existsSync(`/proc/${child.pid}/task`) ? fs.readdirSync(`/proc/${child.pid}/task`) : [])
+      try {
+        seconds.set(task, Number(fs.readFileSync(`/proc/${child.pid}/task/${task}/schedstat`, 'utf8').split(' ')[0]) / 1e9);
+      } catch {
+        // it has ended
+      }
+  }
+  assert.equal(child.exitCode, 0);
+  return [...seconds.values()].sort((a, b) => b - a);
+}
+
+test('threads share the work', { skip: !fs.existsSync('/proc/self/task') && 'there is no /proc/self/task' }, async () => {
+  const line = ['bake', city, '-o', 'shared.vxs', '--resolution', '65536', '--quiet', '--threads'];
+  const [alone, helper] = await secondsOfThreads([...line, '1']); // one that compiles
+  const [first, second] = await secondsOfThreads([...line, '2']);
+  assert.ok(helper < 0.4 * alone && second > 0.5 * first && first < 0.8 * alone, `${[alone, helper, first, second]}`);
 });
 
 test('a fine map, whose texels 32 bits cannot count', { skip: !EVERY && 'VXS_TEST_REPEATS is not all' }, () =>
@@ -221,10 +296,10 @@ test('a full disk fails as natively', { skip: !fs.existsSync('/dev/full') && 'th
 });
 
 /** Starts a long bake into a folder, and calls act(child, folder) when its temporary file may be there. Returns how it ended. */
-async function interrupted(kind, signal) {
+async function interrupted(kind, signal, threads = 1) {
   const cwd = fs.mkdtempSync(at('signal-'));
   const [program, ...first] = PROGRAMS[kind];
-  const child = spawn(program, [...first, 'bake', city, '-o', 'out.vxs', '--resolution', '65536', '--texel', 'sun=0.01'], { cwd });
+  const child = spawn(program, [...first, 'bake', city, '-o', 'out.vxs', '--resolution', '65536', '--texel', 'sun=0.01', '--threads', String(threads)], { cwd });
   const ended = new Promise((resolve) => child.on('close', (status, by) => resolve({ status, by })));
   await delay(1200);
   child.kill(signal);
@@ -237,7 +312,7 @@ async function interrupted(kind, signal) {
 test('a signal ends a bake as natively, and leaves no file', async () => {
   for (const [signal, end] of [['SIGINT', { status: 130, by: null }], ['SIGTERM', { status: null, by: 'SIGTERM' }],
     ['SIGHUP', { status: null, by: 'SIGHUP' }], ['SIGKILL', { status: null, by: 'SIGKILL' }]])
-    assert.deepEqual(await interrupted('web', signal), { ...end, left: [] }, signal);
+    for (const threads of [1, 3]) assert.deepEqual(await interrupted('web', signal, threads), { ...end, left: [] }, `${signal} ${threads}`);
 });
 
 test('a signal while the output is written leaves no temporary file', async () => {
@@ -258,11 +333,13 @@ test('a signal while the output is written leaves no temporary file', async () =
   assert.equal(caught, 1);
 });
 
-test('the WebAssembly is at most 2.2 MB, 0.65 MB with brotli', () => {
-  const bytes = fs.readFileSync(path.join(PACKAGE, 'baker/vxs.wasm'));
-  const packed = zlib.brotliCompressSync(bytes, { params: { [zlib.constants.BROTLI_PARAM_SIZE_HINT]: bytes.length } });
-  assert.ok(bytes.length <= 2.2e6, `${bytes.length} bytes`);
-  assert.ok(packed.length <= 0.65e6, `${packed.length} bytes with brotli`);
+test('the WebAssembly is at most 2.2 MB, 0.65 MB with brotli; with threads 2.25 and 0.66', () => {
+  for (const [name, raw, most] of [['vxs', 2.2e6, 0.65e6], ['vxs-threads', 2.25e6, 0.66e6]]) {
+    const bytes = fs.readFileSync(path.join(PACKAGE, `baker/${name}.wasm`));
+    const packed = zlib.brotliCompressSync(bytes, { params: { [zlib.constants.BROTLI_PARAM_SIZE_HINT]: bytes.length } });
+    assert.ok(bytes.length <= raw, `${name}: ${bytes.length} bytes`);
+    assert.ok(packed.length <= most, `${name}: ${packed.length} bytes with brotli`);
+  }
 });
 
 test('scenes that need exact predicates, or are hard in other ways', async (t) => {
@@ -270,7 +347,8 @@ test('scenes that need exact predicates, or are hard in other ways', async (t) =
   const all = () => spawnSync(VXS, ['scene', 'stress', '--case', 'list']).stdout.toString().trim().split('\n').map((line) => line.split(' ')[0]);
   for (const name of EVERY ? all() : some) {
     const scene = generate(`${name}.glb`, 'stress', '--case', name);
-    await t.test(name, () => both(['bake', `${name}.glb`, '-o', 'out.vxs', '--resolution', '512', '--quiet'], { files: [scene] }));
+    for (const threads of ['1', '4'])
+      await t.test(`${name}, ${threads}`, () => both(['bake', `${name}.glb`, '-o', 'out.vxs', '--resolution', '512', '--quiet', '--threads', threads], { files: [scene] }));
   }
 });
 
@@ -283,7 +361,8 @@ function scenesIn(name) {
 test('real scenes have the same bytes', { skip: shared }, async (t) => {
   const scenes = scenesIn('real').filter((_, n) => EVERY || n % 8 === 0);
   for (const scene of scenes)
-    await t.test(path.relative(SCENES, scene), () => both(['bake', scene, '-o', 'out.vxs', '--resolution', '512', '--quiet']));
+    for (const threads of ['1', '4'])
+      await t.test(`${path.relative(SCENES, scene)}, ${threads}`, () => both(['bake', scene, '-o', 'out.vxs', '--resolution', '512', '--quiet', '--threads', threads]));
 });
 
 test('malformed scenes have the same messages and exit statuses', { skip: shared }, async (t) => {
