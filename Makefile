@@ -39,8 +39,8 @@
 #   make program-size   print the SPIR-V instructions of every program for graphics processors, and their ceilings
 #   make amalgamation   the runtime as two files, vxs.h and vxs.c, and zstd's decoder as a third: build/amalgamation
 #   make dist           the sources of the last commit: build/vxs-VERSION.tar.gz
-#   make wgsl           translate lookups, and with them intervals of rays, for WebGPU: build/release/vxs_lookup.wgsl and
-#                       vxs_intervals.wgsl. Needs naga-cli of crates.io and glslang-tools. only="KIND=1 CODING=2" leaves out code
+#   make wgsl           translate lookups, and with them intervals of rays and their fog, for WebGPU: build/release/vxs_lookup.wgsl,
+#                       vxs_intervals.wgsl, vxs_fog.wgsl. Needs naga-cli of crates.io and glslang-tools. only="KIND=1 CODING=2" leaves out code
 #                       for other lights, as VXS_ONLY_KIND and VXS_ONLY_CODING do in shaders
 #   make web            the npm package: the command, the runtime and three.js lights for Node and browsers, in build/web/vxs (docs/web.md)
 #   make check-web      test that package, with Chromium; only=NAME runs tests/web/*NAME*; check-web-fast: its runtime alone, a minute
@@ -302,8 +302,8 @@ wgsl: head := runtime/install/wgsl.glsl
 wgsl:
 	@for tool in glslangValidator naga; do command -v $$tool >/dev/null || { \
 	    echo "make wgsl needs $$tool: package glslang-tools; cargo install naga-cli" >&2; exit 1; }; done
-	$Q mkdir -p $B/wgsl && for text in lookup intervals; do \
-	    glslangValidator -E -S comp -Iformats -DWITH_$$text $(only:%=-DVXS_ONLY_%) $(head) >$B/wgsl/$$text.comp && \
+	$Q mkdir -p $B/wgsl && for text in lookup intervals fog; do \
+	    glslangValidator -E -S comp -Iformats -Iruntime/gl -Iruntime/volumes -Iruntime/web/three -DWITH_$$text $(only:%=-DVXS_ONLY_%) $(head) >$B/wgsl/$$text.comp && \
 	    sed -i '/^#extension/d; /^#line/d' $B/wgsl/$$text.comp && \
 	    naga --input-kind glsl --shader-stage compute $B/wgsl/$$text.comp $B/wgsl/$$text.wgsl || exit 1; \
 	    { sed -n '/^\/\//p' $(head); echo; sed -E -e '/^fn vxs_word_at\(/,/^\}/d; /^fn main_1\(/,$$d' \

@@ -135,13 +135,13 @@ json.dump(found, sys.stdout)
 
 @pytest.fixture(scope="module")
 def texts(build, tmp_path_factory):  # noqa: F811
-    """What `make wgsl` writes: {"lookup": text, "intervals": text}."""
+    """What `make wgsl` writes: {"lookup": text, "intervals": text, "fog": text}."""
     for tool in ("glslangValidator", "naga"):
         if not shutil.which(tool):
             pytest.skip(f"no {tool}: glslang-tools of Debian, naga-cli of crates.io")
     folder = tmp_path_factory.mktemp("wgsl")
     make(folder, "wgsl")
-    return {name: (folder / f"vxs_{name}.wgsl").read_text() for name in ("lookup", "intervals")}
+    return {name: (folder / f"vxs_{name}.wgsl").read_text() for name in ("lookup", "intervals", "fog")}
 
 
 @pytest.fixture(scope="module")
@@ -195,12 +195,13 @@ def test_naga_compiles(texts, tmp_path):
         assert done.returncode == 0, done.stderr
 
 
-def test_web_module_is_up_to_date(texts, tmp_path):
-    """vxs/three/webgpu has the functions of this text: after a change of formats/, run runtime/web/wgsl.py."""
-    text = tmp_path / "vxs_lookup.wgsl"
-    text.write_text(texts["lookup"])
-    module = subprocess.run([sys.executable, ROOT / "runtime" / "web" / "wgsl.py", text], stdout=subprocess.PIPE, text=True, check=True).stdout
-    assert module == (ROOT / "runtime" / "web" / "three" / "wgsl.mjs").read_text()
+@pytest.mark.parametrize("name, module, roots", [("lookup", "wgsl", ["vxs_lit", "vxs_box", "vxs_smooth"]), ("fog", "wgsl_fog", ["vxs_fog"])])
+def test_web_modules_are_up_to_date(texts, tmp_path, name, module, roots):
+    """vxs/three/webgpu has the functions of these texts: after a change of headers, run runtime/web/wgsl.py."""
+    text = tmp_path / f"vxs_{name}.wgsl"
+    text.write_text(texts[name])
+    made = subprocess.run([sys.executable, ROOT / "runtime" / "web" / "wgsl.py", text, *roots], stdout=subprocess.PIPE, text=True, check=True).stdout
+    assert made == (ROOT / "runtime" / "web" / "three" / f"{module}.mjs").read_text()
 
 
 def test_chromium_accepts(texts, page):

@@ -466,6 +466,21 @@ export async function fog({ glb, vxs, view, size, light: name, medium, orthograp
   return { count: errors.length, mean: errors.reduce((s, [a]) => s + a, 0) / errors.length, wrong: wrong.length, apart, tables: pass.fog.words.isTables === true, first: wrong.slice(0, 4) };
 }
 
+/** Fog of a light over a black scene: one channel of each pixel, rows from the top. */
+export async function fogPicture({ glb, vxs, view, size: [width, height], light, medium }) {
+  const { FogPass } = await import('vxs/three'), renderer = newRenderer([width, height]), gltf = await loadScene(glb), shadows = await loadShadows(vxs);
+  const camera = newCamera(view, [width, height]), data = new Float32Array(4 * width * height);
+  gltf.scene.traverse((object) => { if (object.isMesh) object.material = new THREE.MeshBasicMaterial({ color: 0 }); });
+  shadows.attach(gltf);
+  const [read, write] = [0, 1].map(() => new THREE.WebGLRenderTarget(width, height, { type: THREE.FloatType }));
+  read.depthTexture = new THREE.DepthTexture(width, height, THREE.UnsignedIntType);
+  renderer.setRenderTarget(read);
+  renderer.render(gltf.scene, camera);
+  new FogPass(shadows, camera, { light, ...medium }).render(renderer, write, read);
+  renderer.readRenderTargetPixels(write, 0, 0, width, height, data);
+  return Array.from({ length: width * height }, (_, n) => data[4 * ((height - 1 - Math.floor(n / width)) * width + (n % width)) + 1]);
+}
+
 /** Lights of the shadows that a glTF file brings along, and how many match. */
 export async function fromGltf(url) {
   const { VXSShadowsPlugin } = await import('vxs/three');

@@ -51,3 +51,26 @@ for (const backend of ['webgl', 'webgpu'])
       await page.close();
     }
   });
+
+for (const backend of ['webgl', 'webgpu'])
+  test(`fog is that of WebGLRenderer (${backend})`, { skip }, async (t) => {
+    const medium = { extinction: 0.2, scattering: 0.15, anisotropy: 0.5 }, given = { glb: '/files/room.glb', vxs: '/files/room.vxs', view: VIEW, size: [160, 120], medium };
+    const plain = await openPage(browser, server), page = await openPage(browser, server, { webgpu: true });
+    try {
+      if (backend === 'webgpu' && !(await page.evaluate(async () => !!(await navigator.gpu?.requestAdapter())))) return t.skip('this browser has no WebGPU adapter');
+      const wanted = {}, sum = (values) => values.reduce((a, b) => a + b, 0);
+      const apart = (a, b) => sum(a.map((x, n) => Math.abs(x - b[n]))) / sum(b);
+      for (const light of ['lamp', 'corner']) {
+        wanted[light] = await run(plain, '/tests/three_page.mjs', 'fogPicture', { ...given, light });
+        const got = await run(page, '/tests/webgpu_page.mjs', 'fogPicture', { ...given, light, backend });
+        assert.ok(sum(wanted[light]) > 1 && apart(got, wanted[light]) < 0.002, `${light}: ${apart(got, wanted[light])}`);
+      }
+      // one behind the other: the second dims the airlight of the first
+      const both = await run(page, '/tests/webgpu_page.mjs', 'fogPicture', { ...given, lights: ['lamp', 'corner'], medium: { ...medium, transmits: false }, backend });
+      assert.ok(apart(both, wanted.lamp.map((x, n) => x + wanted.corner[n])) < 0.002);
+      assert.deepEqual([...plain.faults, ...page.faults], []);
+    } finally {
+      await plain.close();
+      await page.close();
+    }
+  });

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 import * as THREE from 'three/webgpu';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
-import { VXSLoader } from 'vxs/three/webgpu';
+import { pass } from 'three/tsl';
+import { FogNode, VXSLoader } from 'vxs/three/webgpu';
 
 async function grey(url) {
   const image = await createImageBitmap(await (await fetch(url)).blob(), { colorSpaceConversion: 'none' });
@@ -12,16 +13,51 @@ async function grey(url) {
   return Float32Array.from({ length: data.length / 4 }, (_, n) => (data[4 * n] === data[4 * n + 2] ? data[4 * n] / 255 : NaN));
 }
 
-/** What a light lets through at each pixel, against a pass of `vxs render`: see compared() of three_page.mjs. */
-export async function compared({ glb, vxs, view: { eye, target, fov }, size: [width, height], light, pass, filter, backend, movers, shown }) {
+async function newRenderer(backend, [width, height]) {
   const renderer = new THREE.WebGPURenderer({ forceWebGL: backend === 'webgl', antialias: false });
   await renderer.init();
   renderer.setSize(width, height);
   document.body.append(renderer.domElement);
-  const gltf = await new GLTFLoader().loadAsync(glb), shadows = await new VXSLoader().loadAsync(vxs);
+  return renderer;
+}
+
+function newCamera({ eye, target, fov }, [width, height]) {
   const camera = new THREE.PerspectiveCamera(fov, width / height, 0.1, 5000);
   camera.position.set(...eye);
   camera.lookAt(...target);
+  return camera;
+}
+
+/** One channel of the pixels of a target, rows from the top. */
+async function read(renderer, target) {
+  const { width, height } = target, data = await renderer.readRenderTargetPixelsAsync(target, 0, 0, width, height);
+  const pitch = Math.floor(data.length / height), down = renderer.backend.isWebGPUBackend;
+  return Float32Array.from({ length: width * height }, (_, n) => data[(down ? Math.floor(n / width) : height - 1 - Math.floor(n / width)) * pitch + 4 * (n % width) + 1]);
+}
+
+/** As fogPicture() of three_page.mjs. */
+export async function fogPicture({ glb, vxs, view, size, light, medium, backend, lights = [light] }) {
+  const renderer = await newRenderer(backend, size), gltf = await new GLTFLoader().loadAsync(glb), shadows = await new VXSLoader().loadAsync(vxs);
+  const camera = newCamera(view, size), scene = new THREE.Scene().add(gltf.scene), target = new THREE.RenderTarget(...size, { type: THREE.FloatType });
+  gltf.scene.traverse((object) => { if (object.isMesh) object.material = new THREE.MeshBasicMaterial({ color: 0 }); });
+  shadows.attach(gltf, { renderer });
+  const scenePass = pass(scene, camera), depth = scenePass.getTextureNode('depth'), pipeline = new THREE.RenderPipeline(renderer), nodes = [];
+  for (const name of lights) nodes.push(new FogNode(shadows, camera, nodes.at(-1) ?? scenePass.getTextureNode(), depth, { light: name, ...medium }));
+  pipeline.outputNode = nodes.at(-1);
+  pipeline.outputColorTransform = false;
+  renderer.setRenderTarget(target);
+  pipeline.render();
+  const picture = Array.from(await read(renderer, target));
+  nodes.forEach((node) => node.dispose());
+  shadows.dispose();
+  return picture;
+}
+
+/** What a light lets through at each pixel, against a pass of `vxs render`: see compared() of three_page.mjs. */
+export async function compared({ glb, vxs, view: { eye, target, fov }, size: [width, height], light, pass, filter, backend, movers, shown }) {
+  const renderer = await newRenderer(backend, [width, height]);
+  const gltf = await new GLTFLoader().loadAsync(glb), shadows = await new VXSLoader().loadAsync(vxs);
+  const camera = newCamera({ eye, target, fov }, [width, height]);
   const white = new THREE.MeshStandardMaterial({ roughness: 1, flatShading: true });
   gltf.scene.traverse((object) => {
     if (object.isMesh) object.material = white;
@@ -31,13 +67,9 @@ export async function compared({ glb, vxs, view: { eye, target, fov }, size: [wi
   const draw = async () => {
     renderer.setRenderTarget(picture);
     renderer.render(scene, camera);
-    const data = await renderer.readRenderTargetPixelsAsync(picture, 0, 0, width, height);
+    const values = await read(renderer, picture);
     renderer.setRenderTarget(null);
-    const pitch = data.length / height, down = renderer.backend.isWebGPUBackend;
-    return Float32Array.from({ length: width * height }, (_, n) => {
-      const x = n % width, y = Math.floor(n / width);
-      return data[(down ? y : height - 1 - y) * Math.floor(pitch) + 4 * x + 1];
-    });
+    return values;
   };
   const bare = await draw();
   const ball = new THREE.Mesh(new THREE.SphereGeometry(1), white);

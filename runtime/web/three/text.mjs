@@ -44,3 +44,23 @@ vec3 vxsFog( vec3 eye, vec3 direction, float metres ) {
   return vxs_fog( vxsLight( 0 ), ${Array.from({ length: FOG_TEXELS }, (_, n) => `uintBitsToFloat( ${texels(TEXELS + n, 1, 0)} )`).join(', ')}, eye, direction, metres );
 }
 `;
+
+// The same in WGSL, of which naga made `wgsl` (wgsl.mjs, wgsl_fog.mjs).
+const wgslTexels = (first, count, row) => Array.from({ length: count }, (_, n) => `textureLoad(vxsLights, vec2i(${first + n}, ${row}), 0)`).join(', ');
+
+const wgslLights = (wgsl, wide) => `
+fn vxs_word_at(at: u32) -> u32 { return textureLoad(vxsWords, vec2u(at & ${wide - 1}u, at / ${wide}u), 0).r; }
+${wgsl}
+fn vxsLight(row: i32) -> vxs_light_constants { return vxs_light_of_texels(${wgslTexels(0, TEXELS, 'row')}); }`;
+
+export const wgslReaders = (wgsl, { VXS_ONLY_WIDTH, VXS_ONLY_SMOOTH }, wide) => `${wgslLights(wgsl, wide)}
+fn vxsLit(row: i32, position: vec3f, normal: vec3f) -> f32 {
+  let light = vxsLight(row);
+  let lit = vxs_lit(light.first_word, light, position, normal, ${VXS_ONLY_SMOOTH ? 'vxs_smooth' : 'vxs_box'}(${VXS_ONLY_WIDTH}));
+  return select(lit, 1.0, lit < 0.0);
+}`;
+
+export const wgslAirReaders = (wgsl, wide) => `${wgslLights(wgsl, wide)}
+fn vxsFog(eye: vec3f, direction: vec3f, metres: f32) -> vec3f {
+  return vxs_fog(vxsLight(0), ${Array.from({ length: FOG_TEXELS }, (_, n) => `bitcast<vec4f>(${wgslTexels(TEXELS + n, 1, 0)})`).join(', ')}, eye, direction, metres);
+}`;

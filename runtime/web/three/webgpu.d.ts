@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-import type { Object3D } from 'three';
-import type { WebGPURenderer } from 'three/webgpu';
-import { VXSLoader as Loader, type BakedShadows as Shadows, type Filter, type Match } from './index.js';
+import type { Camera, Object3D } from 'three';
+import type { Node, TextureNode, WebGPURenderer } from 'three/webgpu';
+import { VXSLoader as Loader, type BakedShadows as Shadows, type Filter, type FogOptions, type Match } from './index.js';
 
 export { VXSError } from 'vxs';
 export { VXSShadowsPlugin, lightOf } from './index.js';
@@ -26,3 +26,21 @@ export interface BakedShadows extends Omit<Shadows, 'attach'> {
 }
 
 export class VXSLoader extends Loader<BakedShadows> {}
+
+/**
+ * Fog of one baked light as FogPass draws it, as a node for the output of a RenderPipeline: the picture of `color` in fog. Options are
+ * fields and may change at any time. `color` may be another FogNode, of another light; then give it transmits: false. With the WebGPU
+ * backend the light must be of palette blocks, with 16384 texels a side or fewer.
+ *
+ *     const scenePass = pass(scene, camera);
+ *     pipeline.outputNode = new FogNode(shadows, camera, scenePass.getTextureNode(), scenePass.getTextureNode('depth'), { light: sun });
+ */
+export class FogNode extends Node {
+  constructor(shadows: BakedShadows, camera: Camera, color: Node, depth: TextureNode, options?: Omit<FogOptions, 'half'>);
+  camera: Camera;
+  extinction: FogOptions['extinction'];
+  scattering: FogOptions['scattering'];
+  anisotropy: number;
+  transmits: boolean;
+  farMetres?: number;
+}

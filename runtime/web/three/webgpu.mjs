@@ -3,36 +3,12 @@
 import { Vector3 } from 'three';
 import { Node, NodeUpdateType } from 'three/webgpu';
 import { cameraWorldMatrix, code, cross, dFdx, dFdy, glslFn, int, pointShadow, positionView, shadow, texture, vec4, wgslFn } from 'three/tsl';
+import { Binding } from './binding.mjs';
 import { VXSShadowsPlugin as Plugin } from './gltf.mjs';
 import { ShadowLoader } from './loader.mjs';
-import { readers } from './text.mjs';
+import { readers, wgslReaders } from './text.mjs';
 import { wgsl } from './wgsl.mjs';
 import { TEXELS, commonMacros, integerTexture, writeConstants } from './words.mjs';
-
-const wgslReaders = ({ VXS_ONLY_WIDTH, VXS_ONLY_SMOOTH }, wide) => `
-fn vxs_word_at(at: u32) -> u32 { return textureLoad(vxsWords, vec2u(at & ${wide - 1}u, at / ${wide}u), 0).r; }
-${wgsl}
-fn vxsLight(row: i32) -> vxs_light_constants {
-  return vxs_light_of_texels(${[0, 1, 2, 3, 4, 5].map((n) => `textureLoad(vxsLights, vec2i(${n}, row), 0)`).join(', ')});
-}
-fn vxsLit(row: i32, position: vec3f, normal: vec3f) -> f32 {
-  let light = vxsLight(row);
-  let lit = vxs_lit(light.first_word, light, position, normal, ${VXS_ONLY_SMOOTH ? 'vxs_smooth' : 'vxs_box'}(${VXS_ONLY_WIDTH}));
-  return select(lit, 1.0, lit < 0.0);
-}`;
-
-// Declares a texture by its name, so that native code can read it.
-class Binding extends Node {
-  constructor(node) {
-    super('void');
-    this.node = node;
-  }
-
-  generate(builder) {
-    this.node.build(builder, 'property');
-    return '';
-  }
-}
 
 // How much of a baked light reaches a fragment.
 class LitNode extends Node {
@@ -73,7 +49,7 @@ class NodeLookups {
     this.glsl = glslFn('float vxsShadow( int row, vec3 position, vec3 normal ) { return vxsLit( row, position, normal ); }',
       text(readers(macros, this.wide, ''), 'glsl'));
     this.wgsl = wgslFn('fn vxsShadow(row: i32, position: vec3f, normal: vec3f) -> f32 { return vxsLit(row, position, normal); }',
-      text(wgslReaders(macros, this.wide), 'wgsl'));
+      text(wgslReaders(wgsl, macros, this.wide), 'wgsl'));
     this.moves = moves;
     [...this.baked.keys()].forEach((light, row) => {
       const lit = new LitNode(this, row);
@@ -105,6 +81,7 @@ export class VXSLoader extends ShadowLoader {
 export class VXSShadowsPlugin extends Plugin {
   static Loader = VXSLoader;
 }
+export { FogNode } from './webgpu_fog.mjs';
 export { BakedShadows } from './loader.mjs';
 export { lightOf } from './names.mjs';
 export { VXSError } from 'vxs';

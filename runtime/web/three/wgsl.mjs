@@ -1,4 +1,4 @@
-// Lookups in WGSL, from formats/*.h by naga (make wgsl) and wgsl.py. SPDX-License-Identifier: MIT
+// In WGSL, from formats/*.h and runtime/*.h by naga (make wgsl) and wgsl.py. SPDX-License-Identifier: MIT
 export const wgsl = `
 struct vxs_mask { low: u32, high: u32, }
 struct vxs_smooth_box { x: i32, y: i32, across: u32, down: u32, }
