@@ -15,7 +15,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, St
 
 from . import settings
 from .command import Run, VxsMissing, bake_arguments, find_vxs
-from .level import write_level
+from .level import finish_edits, write_level
 from .messages import plain, tell, tell_left_out, tell_warnings, things_named
 
 AS_SCENE = (("SCENE", "As the Scene", "As in the render properties"),)
@@ -56,8 +56,7 @@ class Bake:
         self.output, vxs = output, find_vxs(context)
         self.folder = tempfile.TemporaryDirectory(prefix="vxs_", ignore_cleanup_errors=True)
         try:
-            for ob in context.objects_in_mode_unique_data:
-                ob.update_from_editmode()
+            finish_edits(context)
             path = os.path.join(self.folder.name, "level.glb")
             self.level = write_level(context.evaluated_depsgraph_get(), context.scene, path, chosen.region)
             if not self.level.instances:

@@ -233,6 +233,13 @@ def compact(indices: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     return np.flatnonzero(is_used), (np.cumsum(is_used) - 1)[indices]
 
 
+def finish_edits(context: bpy.types.Context) -> None:
+    """Meshes in edit mode get what was edited."""
+    for ob in context.view_layer.objects:
+        if ob.mode != "OBJECT":
+            ob.update_from_editmode()
+
+
 def write_level(depsgraph: bpy.types.Depsgraph, scene: bpy.types.Scene, path: str, region: bpy.types.Object | None = None) -> Level:
     """Write what the depsgraph shows as a GLB. Nothing in Blender changes. region: an object that casts nothing; None: the scene's."""
     region = region or scene.vxs.region

@@ -15,7 +15,7 @@ from bpy.types import Context, Operator, Panel
 from . import overlay
 from .bake import BakeFailed, output_path
 from .command import VxsMissing, find_vxs, run_vxs
-from .level import Gatherer, Level, Writer
+from .level import Gatherer, Level, Writer, finish_edits
 
 OUTSIDE = -1.0  # the answer where a light has no map
 BESIDE = (0.3, 0.25, 0.45)  # the colour where no light has one
@@ -33,8 +33,7 @@ def answer(vxs: str, *arguments: str, stdin: bytes = b"") -> bytes:
 
 def gather(context: Context, receivers: bool, path: str = "") -> tuple[Gatherer, Writer]:
     """The level: what casts, and with `receivers` what else is rendered. path: for Writer.write()."""
-    for ob in context.objects_in_mode_unique_data:
-        ob.update_from_editmode()
+    finish_edits(context)
     gatherer = Gatherer(context.evaluated_depsgraph_get(), context.scene, Level(path), receivers)
     return gatherer, Writer(gatherer)
 
@@ -182,6 +181,7 @@ class VXS_PT_preview(Panel):
         row = layout.row(align=True)
         row.operator("vxs.preview", icon="SHADING_SOLID").set_shading = True
         row.operator("vxs.preview_clear", text="", icon="X")
+        layout.operator("vxs.picture", icon="IMAGE_DATA")
         layout.prop(settings, "export", text="Bake in glTF Exports")
         layout.prop(settings, "export_as")
 
