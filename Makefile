@@ -38,6 +38,7 @@
 #   make bench-flight   fly over a city within 4 MiB, at 16384 and 65536 texels a side: four minutes; JSON to build/flight_*.json
 #   make program-size   print the SPIR-V instructions of every program for graphics processors, and their ceilings
 #   make amalgamation   the runtime as two files, vxs.h and vxs.c, and zstd's decoder as a third: build/amalgamation
+#   make wheel          the Python module with its libraries, for pip: build/wheel (docs/python.md)
 #   make dist           the sources of the last commit: build/vxs-VERSION.tar.gz
 #   make wgsl           translate lookups, and with them intervals of rays and their fog, for WebGPU: build/release/vxs_lookup.wgsl,
 #                       vxs_intervals.wgsl, vxs_fog.wgsl. Needs naga-cli of crates.io and glslang-tools. only="KIND=1 CODING=2" leaves out code
@@ -76,7 +77,7 @@ ifdef core
 packages.build := $(filter-out libosmesa6-dev libegl-dev libgl-dev libembree-dev libopenexr-dev libjs-chart.js,$(packages.build))
 endif
 packages.test  := python3 python3-pytest python3-pytest-xdist python3-jsonschema libcmocka-dev libgsl-dev glslang-tools spirv-tools libvulkan-dev mesa-vulkan-drivers zlib1g-dev gnuplot-nox chromium \
-                  groff-base zsh fish cmake
+                  groff-base zsh fish cmake python3-numpy
 packages.deb   := dpkg-dev
 # Debian's, which sees Debian's packages; another one may come first on PATH
 python         := /usr/bin/python3
@@ -203,6 +204,7 @@ include runtime/web/web.mk
 include baker/blender/blender.mk
 include tests/blender/blender.mk
 include runtime/install/amalgamation.mk
+include runtime/python/python.mk
 
 $B/vxs-core: $B/baker/main.c.o $(command.o) $(no_lab.c:%=$B/%.o) $B/bake.a $B/libvxs_volumes.a $B/libvxs.a
 $B/vxs-core: libs = $(core.libs)

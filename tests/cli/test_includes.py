@@ -59,14 +59,15 @@ def modules():
     return {str(p.relative_to(ROOT)): [str((p.parent / used).resolve().relative_to(ROOT)) for used in imported.findall(p.read_text())] for p in files}
 
 
-def add_on():
-    """Python module of the Blender add-on: those that it imports; all lie in one folder."""
-    files = (ROOT / "baker/blender").glob("*.py")
-    return {str(p.relative_to(ROOT)): [f"baker/blender/{name}.py" for name in re.findall(r"^from \.(\w+) import", p.read_text(), re.M)] for p in files}
+def python_modules():
+    """Module of the Blender add-on or of vxs for Python: those that it imports, from its own folder."""
+    files = [p for folder in ("baker/blender", "runtime/python/vxs") for p in (ROOT / folder).glob("*.py")]
+    return {str(p.relative_to(ROOT)): [str(p.parent.relative_to(ROOT) / f"{name}.py") for name in re.findall(r"^from \.(\w+) import", p.read_text(), re.M)]
+            for p in files}
 
 
 def test_every_folder_has_a_rule():
-    assert {folder_of(file) for file in (*product_files(), *modules(), *add_on())} == set(rules())
+    assert {folder_of(file) for file in (*product_files(), *modules(), *python_modules())} == set(rules())
 
 
 def test_includes_follow_the_rules():
@@ -87,7 +88,7 @@ def test_the_laboratory_uses_installed_headers():
 @pytest.mark.parametrize("name", [folder_of, lambda file: file], ids=["folders", "headers"])
 def test_there_are_no_circles(name):
     edges = {}
-    for file, includes in {**product_files(), **add_on()}.items():
+    for file, includes in {**product_files(), **python_modules()}.items():
         edges.setdefault(name(file), set()).update(name(used) for used in includes if name(used) != name(file))
     assert circle(edges) == []
     assert circle({folder: may - {folder} for folder, may in rules().items()}) == []
