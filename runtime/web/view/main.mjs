@@ -8,7 +8,8 @@ import { Cameras, camerasOf } from './cameras.mjs';
 import { TexelCard } from './card.mjs';
 import { shadowPasses } from './costs.mjs';
 import { LevelError, chosenFiles, droppedLevel, embeddedLevel } from './level.mjs';
-import { buildPanel, bytesText, countText, facts, h } from './panel.mjs';
+import { numbersOf, subtitleOf, warningsOf } from './figures.mjs';
+import { buildPanel, facts, h } from './panel.mjs';
 import { readScene } from './scene.mjs';
 import { LIVE_LIGHTS, LIVE_SIDE_PX, Stage } from './stage.mjs';
 import { Picker } from './texel.mjs';
@@ -108,7 +109,7 @@ class View {
   }
 
   #show(gltf, root, shadows, missing) {
-    const { stage, cameras, level, asset } = this;
+    const { stage, cameras, level } = this;
     this.card.clear();
     const match = stage.show(root, gltf, shadows);
     const sun = stage.lights.find(({ light }) => light.isDirectionalLight)?.light;
@@ -130,38 +131,11 @@ class View {
       stage.bounds.getSize(new Vector3()).length(),
     );
 
-    const warnings = [
-      ...level.warnings,
-      ...missing.map((uri) => `The image ${uri} is not here: its material is drawn without it.`),
-    ];
-    if (match.added.length)
-      warnings.push(
-        `${match.added.map(({ name }) => name).join(', ')}: in the .vxs file alone, so its brightness is a guess.`,
-      );
-    if (stage.moved.length)
-      warnings.push(
-        `${stage.moved.join(', ')}: not where it was when it was baked, so its shadow does not fit.`,
-      );
-    const without = stage.lights.filter(({ baked }) => !baked).length;
-    if (asset && without) warnings.push(`${without} of ${stage.lights.length} lights have no baked shadow.`);
-    if (!asset) warnings.push('There is no .vxs file: drop one, or bake the scene with vxs bake.');
     document.title = `${level.scene.name} - vxs view`;
     byId('title').querySelector('h1').textContent = level.scene.name;
-    this.#subtitle();
-    this.#panel(warnings);
+    byId('title').querySelector('p').textContent = subtitleOf(level, stage);
+    this.#panel(warningsOf(level, stage, missing, match.added));
     this.redraw();
-  }
-
-  #subtitle() {
-    const { level, stage, asset } = this,
-      baked = stage.lights.filter(({ baked: each }) => each);
-    const lights =
-      baked.length === 1
-        ? `${baked[0].baked.resolution} x ${baked[0].baked.resolution} texels`
-        : `${baked.length} lights`;
-    byId('title').querySelector('p').textContent = asset
-      ? `${lights}, ${bytesText(level.asset.bytes.length)} of baked shadows`
-      : 'no baked shadows';
   }
 
   #panel(warnings) {
@@ -222,34 +196,7 @@ class View {
   }
 
   #numbers() {
-    const { stage, asset, level, times, passes } = this,
-      ms = (time) => `${time.toFixed(time < 10 ? 1 : 0)} ms`;
-    const depth16 = stage.lights.reduce(
-      (sum, { baked }) => sum + (baked ? 2 * baked.maps * baked.resolution ** 2 : 0),
-      0,
-    );
-    const words = stage.lights.reduce((sum, { baked }) => sum + (baked ? 4 * baked.wordCount : 0), 0);
-    const entries = {
-      Scene: bytesText(
-        [...level.files.values()].reduce((sum, { length }) => sum + length, level.scene.bytes.length),
-      ),
-      ...(asset && {
-        'Baked shadows': bytesText(level.asset.bytes.length),
-        '16-bit depth maps': bytesText(depth16),
-        'In graphics memory': bytesText(words),
-        'Opened in': ms(times.asset),
-      }),
-      'Scene read in': ms(times.scene),
-      ...(stage.drawn && {
-        'Draws a frame': countText(stage.drawn.calls),
-        'Triangles a frame': countText(stage.drawn.triangles),
-      }),
-      ...(asset && {
-        'Shadow passes saved': countText(passes.passes),
-        'Draws saved': countText(passes.calls),
-        'Triangles saved': countText(passes.triangles),
-      }),
-    };
+    const entries = numbersOf(this.level, this.stage, this.times, this.passes);
     const text = JSON.stringify(entries);
     if (text === this.numbersText) return;
     this.numbersText = text;
