@@ -45,7 +45,8 @@ export class NodeFiles {
     return { handle, position: fs.fstatSync(handle).isFile() ? 0 : null };
   }
 
-  /** Folders are not opened everywhere: a handle is { folder, descriptor }. Files without a name are not offered. */
+  /** Folders are not opened everywhere: a handle is { folder, descriptor }. Files without a name are not offered: Node
+   *  could not give them one later (no linkat with AT_SYMLINK_FOLLOW). */
   openFolder(name, flags) {
     if (flags & ACCESS) throw fileError('EOPNOTSUPP');
     if (!fs.statSync(name).isDirectory()) throw fileError('ENOTDIR');
