@@ -28,10 +28,13 @@ class BakeFailed(Exception):
 def output_path(scene: bpy.types.Scene, asked: str) -> str:
     """Where the bake goes: asked for, set in the scene, or beside the .blend."""
     saved = bpy.data.filepath
-    path = asked or scene.vxs.filepath or (f"//{bpy.path.display_name_from_filepath(saved)}.vxs" if saved else "")
+    path = asked or scene.vxs.filepath or ("//" if saved else "")
     if not path or path.startswith("//") and not saved:
         raise BakeFailed("This file was never saved: save it first, or choose an output file in Baked Shadows")
-    return os.path.abspath(bpy.path.ensure_ext(bpy.path.abspath(path), ".vxs"))
+    path = bpy.path.abspath(path)
+    if os.path.isdir(path):
+        path = os.path.join(path, bpy.path.display_name_from_filepath(saved) if saved else "level")
+    return os.path.abspath(bpy.path.ensure_ext(path, ".vxs"))
 
 
 def size_text(count: float) -> str:

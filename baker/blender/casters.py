@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
-from typing import Any, Iterator
+from typing import Iterator
 
 import bpy
 
@@ -69,7 +69,7 @@ class Casters:
         self.rendered = set(rendered_objects(scene.collection))
         self.movers = set(self.settings.movers.all_objects) if self.settings.movers else set()
         self.own: dict[bpy.types.Object, str] = {}
-        self.users: dict[bpy.types.Object, bool] = {}
+        self.users: dict[bpy.types.Object, set[bpy.types.ID]] = {}
 
     def reason(self, instance: bpy.types.DepsgraphObjectInstance) -> str:
         """Plain words; "" for what casts. instance: one that is rendered."""
@@ -79,16 +79,20 @@ class Casters:
     def is_rendered(self, instance: bpy.types.DepsgraphObjectInstance) -> bool:
         ob, shown_by = instance.object.original, instancer(instance)
         base = shown_by or ob
-        return instance.show_self and base in self.rendered and not base.hide_render and (not shown_by or self.is_instance_rendered(ob))
+        is_base_rendered = instance.show_self and base in self.rendered and not base.hide_render
+        return is_base_rendered and (not shown_by or self.is_instance_rendered(ob, shown_by))
 
-    def is_instance_rendered(self, ob: bpy.types.Object) -> bool:
+    def is_instance_rendered(self, ob: bpy.types.Object, by: bpy.types.Object) -> bool:
         """Instances of a collection follow what its objects say; those of an object itself are rendered all the same."""
         if not ob.hide_render and not all(c.hide_render for c in ob.users_collection):
             return True
+        if any(s.settings.render_type == "OBJECT" and s.settings.instance_object == ob for s in by.particle_systems):
+            return True
+        if not any(m.type == "NODES" for m in by.modifiers):
+            return False
         if ob not in self.users:
-            users: Any = bpy.data.user_map(subset={ob}).get(ob, ())
-            self.users[ob] = any(isinstance(user, (bpy.types.NodeTree, bpy.types.ParticleSettings)) for user in users)
-        return self.users[ob]
+            self.users[ob] = bpy.data.user_map(subset={ob})[ob]
+        return by in self.users[ob] or any(isinstance(user, bpy.types.NodeTree) for user in self.users[ob])
 
     def own_reason(self, ob: bpy.types.Object) -> str:
         if ob not in self.own:
