@@ -236,7 +236,7 @@ def compact(indices: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
 def finish_edits(context: bpy.types.Context) -> None:
     """Meshes in edit mode get what was edited."""
     for ob in context.view_layer.objects:
-        if ob.mode != "OBJECT":
+        if ob and ob.mode != "OBJECT":  # None: removed, as Blender 5.0 notes later
             ob.update_from_editmode()
 
 

@@ -17,12 +17,13 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import scenes  # noqa: E402  bpy comes first: it makes bmesh known
 import truth  # noqa: E402
 import with_addon  # noqa: E402
+import with_preview  # noqa: E402
 
 LIFT = 2e-5  # of the scene's size: how far a ray starts above its surface
 TURN = np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]], float)  # Blender's axes to those of glTF
 
 
-class Session(with_addon.AddonRequests):
+class Session(with_addon.AddonRequests, with_preview.PreviewRequests):
     """Requests are methods; what they keep for one another are members."""
 
     def version(self):
