@@ -1,10 +1,10 @@
 /* Rivals of maps of transmittance curves: other curves, made of the same lists of segments (vxs_transmittance.h) and looked up the
  * same way, in the same context.
  *
- *     opacity shadow maps    optical depth up to even slices, a line between two                  [Kim 2001]
- *     Fourier opacity maps   terms of a Fourier series of extinction over depth                   [Jansen 2010]
- *     moments                four power moments of extinction over depth, and the middle of the bounds that they leave [Peters
- *     2017] deep shadow maps       lines that leave the curve nowhere by more than a tolerance          [Lokovic 2000]
+ *     opacity shadow maps    optical depth up to even slices, a line between two                      [Kim 2001]
+ *     Fourier opacity maps   terms of a Fourier series of extinction over depth                       [Jansen 2010]
+ *     moments                four power moments of extinction over depth, the middle of their bounds  [Peters 2017]
+ *     deep shadow maps       lines that leave the curve nowhere by more than a tolerance              [Lokovic 2000]
  *     uncompressed           all segments of a texel, one after the other
  *
  * The first three know depth in a range alone, which the caller gives; each takes a whole segment, by its integral, rather than a
