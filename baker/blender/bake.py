@@ -32,7 +32,7 @@ def output_path(scene: bpy.types.Scene, asked: str) -> str:
     if not path or path.startswith("//") and not saved:
         raise BakeFailed("This file was never saved: save it first, or choose an output file in Baked Shadows")
     path = bpy.path.abspath(path)
-    if os.path.isdir(path):
+    if path.endswith(("/", os.sep)):
         path = os.path.join(path, bpy.path.display_name_from_filepath(saved) if saved else "level")
     return os.path.abspath(bpy.path.ensure_ext(path, ".vxs"))
 
@@ -65,7 +65,8 @@ class Bake:
             if not self.level.instances:
                 raise BakeFailed("Nothing casts shadows: no object with a surface is shown, rendered, and not left out")
             if not self.level.lights:
-                raise BakeFailed("No light is baked: add a sun, point or spot light that is rendered, and has Bake Shadows on")
+                areas = [note for note in self.level.notes if note.startswith("light ")]
+                raise BakeFailed((areas or ["No light is baked: add a sun, point or spot light that is rendered, with Bake Shadows on"])[0])
             self.report = os.path.join(self.folder.name, "report.json")
             self.run = Run(vxs, bake_arguments(context, chosen, self.level.lights, path, output, self.report))
         except BaseException:
@@ -236,11 +237,4 @@ class VXS_OT_cancel(bpy.types.Operator):
         return {"FINISHED"}
 
 
-def register() -> None:
-    bpy.utils.register_class(VXS_OT_bake)
-    bpy.utils.register_class(VXS_OT_cancel)
-
-
-def unregister() -> None:
-    bpy.utils.unregister_class(VXS_OT_cancel)
-    bpy.utils.unregister_class(VXS_OT_bake)
+register, unregister = bpy.utils.register_classes_factory((VXS_OT_bake, VXS_OT_cancel))

@@ -30,7 +30,7 @@ class Level:
     lights: dict[str, bpy.types.Light] = field(default_factory=dict)  # by their names in the file
     objects: dict[str, set[str]] = field(default_factory=lambda: defaultdict(set))  # name in the file: what to select for it
     left_out: dict[str, set[str]] = field(default_factory=lambda: defaultdict(set))  # why objects cast no shadow: their names
-    notes: list[tuple[str, str]] = field(default_factory=list)  # warnings, each with the object that it names
+    notes: list[str] = field(default_factory=list)  # warnings, with names in quotes
 
 
 @dataclass
@@ -173,8 +173,7 @@ class Writer:
         if not own(light).bake:
             return None
         if value is None:
-            self.level.notes.append((f"light '{light.name}' is an area light, which is not baked: use a point, spot or sun light",
-                                     place.light.name))
+            self.level.notes.append(f"light '{place.light.name}' is an area light, which is not baked: use a point, spot or sun light")
             return None
         name = base = light.name if len(self.light_users[light]) == 1 else place.light.name
         count = 1
@@ -220,6 +219,8 @@ class Writer:
             if look.texture:
                 info = self.images.texture_info(self.glb, look.texture)
                 value = value | {"pbrMetallicRoughness": value["pbrMetallicRoughness"] | {"baseColorTexture": info}}
+            if look.fault:
+                self.level.notes.append(f"material '{material.name}': {look.fault}")
             for extension in value.get("extensions", ()):
                 self.glb.use(extension)
             self.materials[material] = self.glb.add("materials", value)

@@ -30,6 +30,7 @@ class Texture:
 class Appearance:
     value: dict[str, Any]  # of glTF's "materials", without the texture
     texture: Texture | None = None
+    fault: str = ""  # what of its alpha is not baked
 
 
 def multiplied(end: End) -> tuple[float | None, End]:
@@ -160,11 +161,12 @@ def texture_of(color: list[End] | None, alpha: list[End] | None, is_unlit: bool)
     wrap = WRAPS.get(node.extension, REPEAT)
     wraps, vector = manual_wrap(placed)
     mapping = node_before(vector, "MAPPING")
-    uv_map = node_before(mapping.input("Vector") if mapping else vector, "UVMAP")
+    vector = mapping.input("Vector") if mapping else vector
+    uv_map, attribute = node_before(vector, "UVMAP"), node_before(vector, "ATTRIBUTE") if BLENDER_4_2 else None
     filters = {"magFilter": 9728, "minFilter": 9984} if node.interpolation == "Closest" else {"magFilter": 9729, "minFilter": 9987}
     return Texture(image=filled[0].node.image, channel=channel(alpha, is_unlit) if alpha else "A",
                    sampler={**filters, "wrapS": wrap, "wrapT": wrap, **wraps}, transform=transform_of(mapping.node) if mapping else {},
-                   uv_map=uv_map.node.uv_map if uv_map else "")
+                   uv_map=uv_map.node.uv_map if uv_map else attribute.node.attribute_name if attribute else "")
 
 
 def shown_color(material: bpy.types.Material, color: End | None) -> list[float]:
@@ -201,4 +203,9 @@ def appearance(material: bpy.types.Material) -> Appearance:
     if cutoff is not None:
         value["alphaCutoff"] = cutoff
     trails = [search(e, "TEX_IMAGE") if e else None for e in (color, alpha)]
-    return Appearance(value, texture_of(*trails, is_unlit=bool(unlit)))
+    texture, fault = texture_of(*trails, is_unlit=bool(unlit)), ""
+    if texture and texture.image.source == "TILED":
+        fault = "of an image in tiles (UDIM), only the first is baked"
+    elif not texture and alpha and constant(alpha) is None:
+        fault = "its alpha comes from nodes that are not baked, or has no image: it is baked as a wall; use an image or a number"
+    return Appearance(value, texture, fault)

@@ -89,9 +89,7 @@ def tell(state: Any, level: str, text: str, named: Iterable[tuple[str, str]] = (
 
 
 def tell_warnings(state: Any, level: Level, warnings: list[str]) -> None:
-    for text, name in level.notes:
-        tell(state, "WARNING", text, [("OBJECT", name)])
-    for text in (plain(warning, level.path) for warning in warnings):
+    for text in (*level.notes, *(plain(warning, level.path) for warning in warnings)):
         tell(state, "WARNING", text, [("OBJECT", level.region)] if "the Region" in text else things_named(text, level))
 
 
@@ -134,9 +132,4 @@ class VXS_OT_select_named(bpy.types.Operator):
         return {"FINISHED"}
 
 
-def register() -> None:
-    bpy.utils.register_class(VXS_OT_select_named)
-
-
-def unregister() -> None:
-    bpy.utils.unregister_class(VXS_OT_select_named)
+register, unregister = bpy.utils.register_classes_factory((VXS_OT_select_named,))

@@ -6,6 +6,8 @@ from typing import Any
 
 import bpy
 
+from .lights import TYPES
+
 
 def draw_detail(layout: bpy.types.UILayout, settings: Any) -> None:
     layout.prop(settings, "detail")
@@ -30,6 +32,18 @@ class VXS_PT_scene(PropertiesPanel):
         draw_detail(layout, settings)
         for name in ("region", "movers", "leave_out_animated", "blend", "closed", "pack", "if_changed", "filepath"):
             layout.prop(settings, name)
+
+
+class VXS_PT_lights(PropertiesPanel):
+    bl_idname = "VXS_PT_lights"
+    bl_label = "Lights"
+    bl_parent_id = "VXS_PT_scene"
+    bl_context = "render"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        lights = {ob.data for ob in context.scene.objects if ob.type == "LIGHT" and ob.data.type in TYPES}
+        for light in sorted(lights, key=lambda each: each.name):
+            self.layout.prop(light.vxs, "bake", text=light.name)
 
 
 class VXS_PT_bake(PropertiesPanel):
@@ -72,7 +86,7 @@ class VXS_PT_light(PropertiesPanel):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return context.light is not None and context.light.type != "AREA"
+        return context.light is not None and context.light.type in TYPES
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.light.vxs
@@ -104,14 +118,4 @@ def wrapped(text: str, width: int) -> list[str]:
     return lines
 
 
-CLASSES = (VXS_PT_scene, VXS_PT_bake, VXS_PT_light, VXS_PT_object)
-
-
-def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister() -> None:
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory((VXS_PT_scene, VXS_PT_lights, VXS_PT_bake, VXS_PT_light, VXS_PT_object))
