@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
-from . import bake, gltf_export, messages, panels, picture, preview, settings
+from . import bake, check, gltf_export, messages, panels, picture, preview, settings
 from .gltf_export import glTF2ExportUserExtension, register_panel  # noqa: F401  Blender's exporter looks for them here
 
 bl_info = {
@@ -15,7 +15,7 @@ bl_info = {
     "category": "Render",
 }
 
-MODULES = (settings, messages, bake, panels, preview, picture, gltf_export)
+MODULES = (settings, messages, bake, panels, preview, picture, check, gltf_export)
 
 
 def register() -> None:

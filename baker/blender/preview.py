@@ -59,13 +59,15 @@ class Baked:
         if not self.lights:
             raise BakeFailed(f"{self.path} has no light '{light}'")
 
-    def ask(self, command: str, *arguments: str, points: np.ndarray, normals: np.ndarray) -> np.ndarray:
-        """[points, lights]: 0 dark to 1 lit, or OUTSIDE."""
-        rows = np.concatenate([to_gltf(points), to_gltf(normals)], 1)
-        text = "%.9g %.9g %.9g %.6g %.6g %.6g\n" * len(rows) % tuple(rows.ravel().tolist())
-        chosen = [part for n in self.numbers for part in ("--light", f"#{n}")]
+    def ask(self, command: str, *arguments: str, points: np.ndarray, normals: np.ndarray | None = None,
+            numbers: list[int] | None = None) -> np.ndarray:
+        """[points, lights]: 0 dark to 1 lit, or OUTSIDE. numbers: of lights, where they are not those of the file."""
+        numbers = self.numbers if numbers is None else numbers
+        rows = to_gltf(points) if normals is None else np.concatenate([to_gltf(points), to_gltf(normals)], 1)
+        text = ("%.9g %.9g %.9g" + (" %.6g %.6g %.6g" if normals is not None else "") + "\n") * len(rows) % tuple(rows.ravel().tolist())
+        chosen = [part for n in numbers for part in ("--light", f"#{n}")]
         said = answer(self.vxs, command, *arguments, *chosen, stdin=text.encode())
-        return np.array(said.replace(b"out", b"-1").split(), "S16").astype(np.float32).reshape(len(rows), len(self.numbers))
+        return np.array(said.replace(b"out", b"-1").split(), "S16").astype(np.float32).reshape(len(rows), len(numbers))
 
     def lit(self, points: np.ndarray, normals: np.ndarray, taps: int = 1) -> np.ndarray:
         return self.ask("query", self.path, "--filter", str(taps), points=points, normals=normals)
@@ -182,6 +184,9 @@ class VXS_PT_preview(Panel):
         row.operator("vxs.preview", icon="SHADING_SOLID").set_shading = True
         row.operator("vxs.preview_clear", text="", icon="X")
         layout.operator("vxs.picture", icon="IMAGE_DATA")
+        layout.operator("vxs.check_error", icon="VIEWZOOM")
+        for line in context.window_manager.vxs.check.splitlines():
+            layout.label(text=line)
         layout.prop(settings, "export", text="Bake in glTF Exports")
         layout.prop(settings, "export_as")
 

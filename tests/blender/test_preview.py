@@ -64,6 +64,27 @@ def test_what_is_missing_is_one_sentence(addon, baked, tmp_path):
     assert "Traceback" not in addon.printed(), addon.printed()[-3000:]
 
 
+@pytest.mark.parametrize("scene,moved", (("mirrored", "left"), ("boolean", None), ("leaves", None)))
+def test_a_comparison_with_rays_finds_what_is_wrong(scene, moved, addon, baked):
+    baked(scene)
+    before = addon("datablocks")
+    assert addon("run", operator="check_error", points=1500) == ["FINISHED"]
+    numbers = "[getattr(bpy.context.window_manager.vxs, name) for name in ('checked', 'differ', 'differ_far', 'is_running', 'check')]"
+    checked, differ, far, is_running, text = addon("get", expression=numbers)
+    print(scene, text)
+    assert checked > 1000 and 0 < differ < checked / 4 and far == 0 and not is_running and addon("temporary_files") == []
+    assert {tuple(colour) for colour in addon("colours")} > {(255, 204, 26)} and (255, 13, 13) not in map(tuple, addon("colours"))
+    if moved:
+        addon("get", expression=f"setattr(bpy.data.objects['{moved}'], 'location', (1, 2, 0.5))")
+        addon("run", operator="preview_clear")
+        assert addon("run", operator="check_error", points=1500) == ["FINISHED"]
+        checked, differ, far, _, text = addon("get", expression=numbers)
+        print("moved", text)
+        assert far > checked / 100 and (255, 13, 13) in map(tuple, addon("colours"))
+    addon("run", operator="preview_clear")
+    assert addon("datablocks") == before
+
+
 @pytest.mark.parametrize("view", ({}, {"roll": 0.4, "shift_x": 0.13, "shift_y": -0.27}, {"sensor_fit": "VERTICAL", "lens": 30},
                                   {"type": "ORTHO", "ortho_scale": 17.0, "shift_x": 0.2}), ids=("plain", "shift", "fit", "orthographic"))
 @pytest.mark.parametrize("size", ((320, 200), (200, 320)), ids=("wide", "high"))

@@ -30,6 +30,10 @@ class PreviewRequests:
         normals = np.repeat(normals.reshape(-1, 3), 3, axis=0).astype(float)
         return corners.reshape(-1, 3) - normals * shown["vxs_hair"], normals, colours.reshape(-1, 4)[:, :3]
 
+    def colours(self):
+        """Those of the preview, each once, from 0 to 255."""
+        return np.unique(np.rint(self.overlay()[2] * 255).astype(int), axis=0).tolist()
+
     def preview_corners(self, light, count, seed, texel, voxel):
         """Corners by chance whose colours are those of light or shadow: how many, how many of them are lit, how many differ from
         Blender's rays, and those that no edge of a shadow explains within 1.5 texels, with half a texel for where they are looked up."""
