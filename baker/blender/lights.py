@@ -17,7 +17,7 @@ def strength(light: bpy.types.Light, matrix: Any) -> float:
     if not getattr(light, "normalize", True):
         value *= light.area(matrix_world=matrix)
     value *= 2.0 ** getattr(light, "exposure", 0.0)
-    return value if light.type == "SUN" else value / (4.0 * math.pi) * LUMENS_PER_WATT
+    return LUMENS_PER_WATT * (value if light.type == "SUN" else value / (4.0 * math.pi))
 
 
 def color(light: bpy.types.Light) -> list[float]:
