@@ -38,8 +38,8 @@ def output_path(scene: bpy.types.Scene, asked: str) -> str:
 
 
 def size_text(count: float) -> str:
-    unit = next((n for n, limit in (("KiB", 2**20), ("MiB", 2**30)) if count < limit), "GiB")
-    return f"{count / {'KiB': 2**10, 'MiB': 2**20, 'GiB': 2**30}[unit]:.1f} {unit}"
+    power = 1 + (count >= 2**20) + (count >= 2**30)
+    return f"{count / 1024**power:.1f} {' KMG'[power]}iB"
 
 
 def result_text(report: dict[str, Any]) -> str:

@@ -16,7 +16,7 @@ from .lights import gltf_light
 from .materials import Appearance, appearance
 from .settings import own
 
-Y_UP = [-0.7071067811865476, 0.0, 0.0, 0.7071067811865476]  # from Blender's axes to glTF's
+Y_UP = [1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1]  # from Blender's axes to glTF's, by columns: exact, as no quaternion is
 NOT_BAKED = {"CURVES": "are hair curves", "POINTCLOUD": "are point clouds", "VOLUME": "are volumes"}
 
 
@@ -96,9 +96,9 @@ class Gatherer:
         ob = instance.object
         if ob.type not in ("MESH", "LIGHT") and ob.type not in NOT_BAKED:
             return
-        name = ob.original.name
         if not self.casters.is_rendered(instance):
             return
+        name = ob.original.name
         why = NOT_BAKED.get(ob.type) or ob.type == "MESH" and self.casters.reason(instance)
         if why:
             self.level.left_out[why].add(name)
@@ -147,15 +147,13 @@ class Writer:
         self.glb, self.images = Glb(), Images()
         self.meshes: dict[int, int | None] = {}
         self.materials: dict[bpy.types.Material, int] = {}
-        users: dict[bpy.types.Light, set[bpy.types.Object]] = defaultdict(set)
-        for place in gatherer.places:
-            if place.light:
-                users[place.light.data].add(place.light)
-        self.light_users = users
+        self.light_users: dict[bpy.types.Light, set[bpy.types.Object]] = defaultdict(set)
+        for light in (place.light for place in gatherer.places if place.light):
+            self.light_users[light.data].add(light)
         self.nodes = [node for place in gatherer.places if (node := self.node(place)) is not None]
 
     def write(self, scene: bpy.types.Scene) -> None:
-        root = self.glb.add("nodes", {"name": "", "rotation": Y_UP, "children": self.nodes} if self.nodes else {"name": ""})
+        root = self.glb.add("nodes", {"name": "", "matrix": Y_UP, "children": self.nodes} if self.nodes else {"name": ""})
         self.glb.json |= {"scene": 0, "scenes": [{"name": scene.name, "nodes": [root]}]}
         self.glb.write(self.level.path)
 
