@@ -2,10 +2,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import json
 import os
+import shutil
 import struct
+import subprocess
 from urllib.parse import unquote
 
 import pytest
+from conftest import FOLDER, ROOT
 
 EXTENSION = "VXS_baked_shadows"
 
@@ -51,6 +54,31 @@ def test_a_file_names_its_shadows(name, form, scene, vxs, tmp_path):
     scene("get", expression="setattr(bpy.data.objects['left'], 'location', (0, 4, 1))")
     assert scene("export_level", path=str(tmp_path / name), export_format=form) == ["FINISHED"]
     assert (shadows.stat().st_mtime_ns, shadows.stat().st_ino) != made, "it was not baked again although an object moved"
+
+
+@pytest.mark.parametrize("made,form,way", (("lamps", "GLB", "EXTENSION"), ("mirrored", "GLTF_SEPARATE", "EXTRAS"),
+                                           ("centimetres", "GLB", "EXTRAS")))
+def test_lights_match_in_three_js(made, form, way, addon, tmp_path):
+    """The package reads what was exported: each light has its shadow, at its place."""
+    web = ROOT / "build/web"
+    if not shutil.which("node") or not (web / "vxs/three").is_dir():
+        pytest.skip("no package vxs in build/web: make web")
+    (tmp_path / "node_modules").mkdir()
+    for name, path in (("vxs", web / "vxs"), ("three", web / "node_modules/three")):
+        (tmp_path / "node_modules" / name).symlink_to(path)
+    shutil.copy(FOLDER / "read_export.mjs", tmp_path)
+    addon("make", scene=made)
+    addon("get", expression="setattr(bpy.data.lights[0], 'name', 'Lämp. %41 [1]')")
+    addon("set", path="bpy.context.scene.vxs", name="resolution", value="256")
+    addon("set", path="bpy.context.scene.vxs", name="export_as", value=way)
+    file = tmp_path / ("a b#光.glb" if form == "GLB" else "a b#光.gltf")
+    assert addon("export_level", path=str(file), export_format=form) == ["FINISHED"]
+    done = subprocess.run(["node", tmp_path / "read_export.mjs", file], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    read = json.loads(done.stdout)
+    print(read)
+    assert {name for name, _ in read["matched"]} == light_names(json_of(file))
+    assert not any(moved for _, moved in read["matched"]) and read["lights"] == read["baked"] == 0
 
 
 def test_settings_of_the_export(scene, tmp_path):
