@@ -5,3 +5,7 @@
 .PHONY: check-blender
 check-blender: $B/vxs $(blender.zip)
 	@VXS=$(abspath $B/vxs) ADDON=$(abspath $(blender.zip)) BLENDER="$(BLENDER)" $(python) tests/blender/run $(if $(only),--only $(only))
+
+.PHONY: bench-blender
+bench-blender: $B/vxs $(blender.zip)
+	@VXS=$(abspath $B/vxs) ADDON=$(abspath $(blender.zip)) BLENDER="$(BLENDER)" $(python) tests/blender/speed.py

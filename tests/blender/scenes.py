@@ -5,7 +5,7 @@ import random
 
 import bmesh
 import bpy
-from mathutils import Matrix
+from mathutils import Matrix, Vector
 
 NEW_ALPHA = bpy.app.version >= (4, 2, 0)  # EEVEE has no blend_method: nodes clip alpha
 
@@ -52,7 +52,21 @@ def floor(side, name="floor", height=lambda x, y: 0.0, cells=1):
 
 
 def ball(radius, name="ball", segments=24):
-    return mesh_of(name, lambda shape: bmesh.ops.create_uvsphere(shape, u_segments=segments, v_segments=segments // 2, radius=radius))
+    """The same faces in the same order each time, which bmesh.ops.create_uvsphere does not promise and decimation needs."""
+    rings = segments // 2
+    across = [[(math.sin(math.pi * i / rings) * math.cos(2 * math.pi * j / segments),
+                math.sin(math.pi * i / rings) * math.sin(2 * math.pi * j / segments),
+                math.cos(math.pi * i / rings)) for j in range(segments)] for i in range(1, rings)]
+    points = [Vector(point) * radius for point in [(0, 0, 1), *(point for ring in across for point in ring), (0, 0, -1)]]
+    last, faces = len(points) - 1, []
+    for j in range(segments):
+        k = (j + 1) % segments
+        faces += [(0, 1 + j, 1 + k), (last, last - segments + k, last - segments + j)]
+        faces += [(1 + (i + 1) * segments + j, 1 + (i + 1) * segments + k, 1 + i * segments + k, 1 + i * segments + j)
+                  for i in range(rings - 2)]
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(points, [], faces)
+    return mesh
 
 
 def cone(name, low, high, depth, caps):
@@ -419,6 +433,19 @@ def movers():
 
 SCENES = {build.__name__: build for build in (instances, mirrored, array, decimated, boolean, centimetres, leaves, lamps, dome, many,
                                               particles, emitted, nodes, shapes, sheared, movers)}
+
+
+def large(triangles, objects):
+    """Hills of one mesh, or as many objects that share a mesh; returns how many triangles there are."""
+    empty_file()
+    sun()
+    side = max(1, round((triangles / objects / 2) ** 0.5))
+    hills = floor(100 / objects ** 0.5, "hills", lambda x, y: 3 * math.sin(x / 5) * math.cos(y / 7), side)
+    row = math.ceil(objects ** 0.5)
+    for n in range(1, objects):
+        place(hills.data, f"hills {n}", (n % row * 100 / row, n // row * 100 / row, n % 7), (0, 0, n))
+    bpy.context.view_layer.update()
+    return 2 * side * side * objects
 
 
 def make(name):

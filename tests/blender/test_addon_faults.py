@@ -114,8 +114,6 @@ def test_a_folder_that_is_read_only(scene, mounted):
 
 def test_a_folder_that_is_not_there(scene, tmp_path):
     fails(scene, "No such file", filepath=str(tmp_path / "none" / "level.vxs"))
-    (tmp_path / "a.vxs").mkdir()
-    fails(scene, "a.vxs", filepath=str(tmp_path / "a.vxs"))
 
 
 def test_a_disk_that_is_full(scene, mounted):

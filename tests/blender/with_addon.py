@@ -4,12 +4,15 @@ import functools
 import importlib
 import os
 import resource
+import subprocess
 import tempfile
 import time
 import types
 
 import addon_utils
 import bpy
+
+import scenes
 
 NAME = "vxs_shadows"
 
@@ -103,6 +106,23 @@ class AddonRequests:
             assert time.monotonic() < start + after + limit, "it does not end"
             time.sleep(0.02)
         return {"outcome": list(outcome), "said": operator.said, "seconds": time.monotonic() - (cancelled or start), **self.state()}
+
+    def time_bake(self, triangles, objects, resolution, runs, vxs, folder):
+        """Seconds of bakes by the add-on, of what it writes for vxs alone, and of vxs with that file; in turn."""
+        count = scenes.large(triangles, objects)
+        level = os.path.join(folder, "level.glb")
+        command = [vxs, "bake", level, "-o", os.path.join(folder, "vxs.vxs"), "--resolution", str(resolution), "--quiet", "--force"]
+        actions = {"add-on": lambda: bpy.ops.vxs.bake(filepath=os.path.join(folder, "addon.vxs"), resolution=resolution, force=True),
+                   "level": lambda: self.part("level").write_level(bpy.context.evaluated_depsgraph_get(), bpy.context.scene, level),
+                   "vxs": lambda: subprocess.run(command, check=True)}
+        seconds = {name: [] for name in actions}
+        for _ in range(runs):
+            for name, act in actions.items():
+                start = time.monotonic()
+                act()
+                seconds[name].append(time.monotonic() - start)
+        same = [open(os.path.join(folder, f"{name}.vxs"), "rb").read() for name in ("addon", "vxs")]
+        return {"triangles": count, "seconds": seconds, "is_same": same[0] == same[1]}
 
     def limit_files(self, size):
         """The largest file that this process and its children may write; None: any."""
