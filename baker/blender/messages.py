@@ -120,14 +120,14 @@ class VXS_OT_select_named(bpy.types.Operator):
         named = messages[self.index].named if self.index < len(messages) else ()
         names = {thing.name for thing in named if thing.kind == "OBJECT"}
         used = {thing.name for thing in named if thing.kind == "MATERIAL"}
-        found = [ob for ob in context.view_layer.objects
-                 if ob.name in names or any(slot.material and slot.material.name in used for slot in ob.material_slots)]
-        found = [ob for ob in found if ob.visible_get()]
+        found = [ob for ob in context.view_layer.objects if ob.visible_get() and
+                 (ob.name in names or any(slot.material and slot.material.name in used for slot in ob.material_slots))]
         if not found:
             self.report({"WARNING"}, "What this message names is not in this view layer, or hidden")
             return {"CANCELLED"}
-        for ob in context.view_layer.objects:
-            ob.select_set(ob in found)
+        bpy.ops.object.select_all(action="DESELECT")
+        for ob in found:
+            ob.select_set(True)
         context.view_layer.objects.active = found[0]
         return {"FINISHED"}
 
