@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 
 BLENDER     ?= blender
+,           := ,
 blender.zip := build/blender/vxs_shadows-$(version).zip
 blender.py  := $(sort $(wildcard baker/blender/*.py)) baker/blender/blender_manifest.toml LICENSE.GPL-3.0
 
@@ -17,6 +18,8 @@ endef
 export blender_pack
 
 $(blender.zip): $(blender.py) baker/blender/blender.mk
+	@grep -q '^version = "$(version)"$$' baker/blender/blender_manifest.toml && grep -q '"version": ($(subst .,$(,) ,$(version)))' baker/blender/__init__.py \
+	    || { echo "baker/blender: its version is not $(version), as in runtime/vxs.h"; exit 1; }
 	$Q mkdir -p $(@D) && $(python) -c "$$(printenv blender_pack)" $@ $(blender.py)
 
 .PHONY: blender install-blender

@@ -28,13 +28,12 @@ def ancestors(ob: bpy.types.Object | None) -> Iterator[bpy.types.Object]:
 
 def curves(data: bpy.types.AnimData) -> Iterator[bpy.types.FCurve]:
     """Curves of the action, of strips, and drivers."""
-    strips = [strip for track in data.nla_tracks if not track.mute for strip in track.strips]
-    for action in {a for a in (data.action, *(strip.action for strip in strips)) if a}:
-        if hasattr(action, "fcurves"):
-            yield from action.fcurves
-        else:  # Blender 5.0
-            for bag in (bag for layer in action.layers for strip in layer.strips for bag in strip.channelbags):
-                yield from bag.fcurves
+    for user in (data, *(strip for track in data.nla_tracks if not track.mute for strip in track.strips)):
+        if hasattr(user.action, "layers"):  # Blender 4.4: an action has curves for each slot
+            for bag in (bag for layer in user.action.layers for strip in layer.strips for bag in strip.channelbags):
+                yield from bag.fcurves if bag.slot_handle == user.action_slot_handle else ()
+        elif user.action:
+            yield from user.action.fcurves
     yield from data.drivers
 
 
@@ -43,12 +42,18 @@ def varies(curve: bpy.types.FCurve) -> bool:
     return len(values) > 1 or bool(curve.modifiers) or curve.driver is not None
 
 
-def is_animated(ob: bpy.types.Object) -> bool:
-    """Whether the object itself changes its place: by keys, drivers, physics, or a constraint to follow a path."""
-    if ob.rigid_body and ob.rigid_body.type == "ACTIVE" or any(c.type == "FOLLOW_PATH" and not c.mute for c in ob.constraints):
-        return True
+def is_keyed(ob: bpy.types.Object) -> bool:
+    """Whether keys or drivers change the place of an object."""
     data = ob.animation_data
     return bool(data) and any(curve.data_path.startswith(MOVING_PATHS) and varies(curve) for curve in curves(data))
+
+
+def is_animated(ob: bpy.types.Object) -> bool:
+    """Whether an object changes its place: by keys, drivers, physics, or a constraint to what is keyed, or to follow a path."""
+    targets = [c.target for c in ob.constraints if not c.mute and getattr(c, "target", None)]
+    follows = any(c.type == "FOLLOW_PATH" and not c.mute for c in ob.constraints)
+    is_thrown = ob.rigid_body is not None and ob.rigid_body.type == "ACTIVE"
+    return is_keyed(ob) or is_thrown or follows or any(is_keyed(target) for target in targets)
 
 
 def is_deformed(ob: bpy.types.Object) -> bool:
