@@ -174,3 +174,21 @@ def test_rust(vxs, folder, tmp_path):
     said = subprocess.run(["cargo", "run", "-q", "-p", "vxs", "--example", "query", "--", tmp_path / "level.vxs"], cwd=rust, env=env, input=lines, capture_output=True, text=True)
     wanted = vxs("query", tmp_path / "level.vxs", "--filter", 9, input=lines).stdout.split()
     assert [a == w or abs(float(a) - float(w)) < 1e-6 for a, w in zip(said.stdout.split(), wanted, strict=True)] == [True] * 1000
+
+
+@pytest.mark.long
+def test_rust_draws_a_frame(vxs, tmp_path):
+    """By wgpu on the processor: each pixel has the answer of the processor, but for where float rounding decides."""
+    if not shutil.which("cargo") or not shutil.which("naga"):
+        pytest.skip("no cargo" if not shutil.which("cargo") else "no naga: cargo install naga-cli")
+    subprocess.run(["make", "-C", ROOT, "packages=skip", "amalgamation", "wgsl"], check=True, capture_output=True)
+    vxs("scene", "city", "--triangles", 20000, "-o", tmp_path / "city.glb")
+    vxs("bake", tmp_path / "city.glb", "-o", tmp_path / "level.vxs", "--resolution", 2048)
+    env = os.environ | {"CARGO_TARGET_DIR": str(ROOT / "build" / "rust")}
+    done = subprocess.run(["cargo", "run", "-q", "--manifest-path", ROOT / "runtime" / "rust" / "Cargo.toml", "-p", "vxs-frame", "--", "level.vxs",
+                           ROOT / "build" / "release" / "vxs_lookup.wgsl"], cwd=tmp_path, env=env, capture_output=True, text=True)
+    if "failed to download" in done.stderr or "Could not resolve host" in done.stderr:
+        pytest.skip("no crates.io")
+    assert done.returncode == 0, done.stderr
+    same, total = (int(word) for word in done.stdout.splitlines()[-1].split() if word.isdigit())
+    assert total == 65536 and same >= 0.999 * total and len(set((tmp_path / "frame.pgm").read_bytes()[15:])) > 10
