@@ -76,16 +76,16 @@ VXS_FN vxs_real vxs_floor(vxs_real x)
 #define VXS_REAL_MIN 1e-30
 #define VXS_LIGHT    const vxs_light_constants
 #ifdef VXS_HLSL
-#define vxs_real3 float3
-#define vxs_int3  int3
-#define vxs_real4 float4
-#define vxs_uint4 uint4
+#define vxs_real3         float3
+#define vxs_int3          int3
+#define vxs_real4         float4
+#define vxs_uint4         uint4
 #define vxs_real_of(bits) asfloat(bits)
 #else
-#define vxs_real3 vec3
-#define vxs_int3  ivec3
-#define vxs_real4 vec4
-#define vxs_uint4 uvec4
+#define vxs_real3         vec3
+#define vxs_int3          ivec3
+#define vxs_real4         vec4
+#define vxs_uint4         uvec4
 #define vxs_real_of(bits) uintBitsToFloat(bits)
 #endif
 #define VXS_OUT                            out

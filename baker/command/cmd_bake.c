@@ -1,7 +1,9 @@
 /* vxs bake.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <stdio.h>
+#include <string.h>
 
+#include "baker/command/bake_watch.h"
 #include "baker/command/commands.h"
 #include "baker/command/options/bake_arguments.h"
 #include "baker/command/options/laboratory.h"
@@ -23,13 +25,18 @@ static vxs_result write_reports(const bake_arguments *a, const bake_page *page, 
         if (to) part_print(to, o, report);
         return a->json_path ? part_write_json(a->json_path, o, report, m) : VXS_OK;
     }
-    if (to) (m->verbose ? report_print : bake_summary_print)(to, o, report);
+    char size[32], plain[PLAIN_BYTES];
+    if (to && a->watch && !m->verbose)
+        fprintf(to, "%s: %s, %.2f s\n", plain_text(plain, o->output_path), size_text(size, report->file_bytes),
+                report->total_seconds);
+    else if (to)
+        (m->verbose ? report_print : bake_summary_print)(to, o, report);
     if (a->json_path && (r = report_write_json(a->json_path, o, report, m)) != VXS_OK) return r;
     if (!o->page_path) return VXS_OK;
     return linked_laboratory.pages->write(o->page_path, page, o, report, m);
 }
 
-static vxs_result run(void *command, run_context *m)
+static vxs_result bake_once(void *command, run_context *m)
 {
     bake_arguments   *a      = command;
     bake_report       report = {0};
@@ -45,6 +52,29 @@ static vxs_result run(void *command, run_context *m)
     if (pages) pages->free(&page);
     bake_report_free(&report);
     return r;
+}
+
+typedef struct watched_bake {
+    bake_arguments *arguments;
+    run_context    *run;
+} watched_bake;
+
+static int bake_apart(void *work)
+{
+    watched_bake *w = work;
+    run_files_free(w->run->files); /* other files may have the names by now */
+    *w->run->files = (run_files){0};
+    vxs_result r   = options_check_files(&w->arguments->line, w->run);
+    return command_end(w->run, r == VXS_OK ? bake_once(w->arguments, w->run) : r);
+}
+
+static vxs_result run(void *command, run_context *m)
+{
+    bake_arguments *a = command;
+    if (!a->watch) return bake_once(command, m);
+    if (!strcmp(a->o.scene_path, "-") || is_standard_output(a->o.output_path))
+        return fail(m, VXS_E_ARGUMENT, "--watch needs a file for SCENE and for -o, not standard input or output");
+    return bake_watch(a->o.scene_path, bake_apart, &(watched_bake){a, m}, m);
 }
 
 int cmd_bake(int argc, char **argv)

@@ -370,6 +370,24 @@ void *pages_alloc(size_t size_bytes)
 
 /* ------------------------------------------------------------------------------------------------------------------------------ */
 
+int system_run_apart(int (*run)(void *work), void *work)
+{
+    (void)run, (void)work;
+    return -1;
+}
+
+int system_watch_begin(const char *const *paths, size_t count)
+{
+    (void)paths, (void)count;
+    return -1;
+}
+
+int system_watch_wait(int descriptor, const char *const *paths, size_t count, int quiet_ms)
+{
+    (void)descriptor, (void)paths, (void)count, (void)quiet_ms;
+    return 0;
+}
+
 int system_shows_progress(void)
 {
     return host_shows_progress();

@@ -163,6 +163,8 @@ void bake_arguments_init(bake_arguments *a, const char *name, const char *synops
          "keep finished squares of the maps in this folder, and take from there what is finished: after a kill, or a change of the "
          "scene",
          NULL},
+        {"--watch", OPTION_SWITCH, &a->watch, 0, 0, NULL, NULL,
+         "bake, and again whenever SCENE or a file that it names has changed, until interrupted; best with --resume", NULL},
         {"--part", OPTION_TEXT, &a->part, 0, 0, NULL, "I/N",
          "make every N-th square of the maps, from the I-th on, and write a part, of which vxs merge makes the asset", NULL},
         {"--light", OPTION_TEXTS, &a->o.light_names, 0, 0, NULL, "NAME",

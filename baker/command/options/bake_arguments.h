@@ -11,6 +11,8 @@ typedef struct bake_arguments {
     const char  *json_path; /* NULL: none */
     const char  *part;      /* "I/N"; NULL: all */
 
+    int watch; /* 1: --watch */
+
     int pack_given;
     int smoke_given;    /* 1: an option of smoke was given, except --smoke */
     int dag_step_given; /* 1: --rule, --reuse, --compress or --stop was given */
