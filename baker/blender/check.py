@@ -188,6 +188,9 @@ class VXS_OT_check_error(Operator):
         except (BakeFailed, VxsMissing, ReferenceError) as error:
             self.report({"WARNING" if self.state.is_cancelled else "ERROR"}, str(error))
             outcome = {"CANCELLED"}
+        except BaseException:
+            self.close()
+            raise
         self.close()
         return outcome
 
