@@ -42,12 +42,11 @@ def size_text(count: float) -> str:
     return f"{count / 1024**power:.1f} {' KMG'[power]}iB"
 
 
-def result_text(report: dict[str, Any]) -> str:
-    if report["unchanged"]:
-        return f"{size_text(report['file_bytes'])}, unchanged since the last bake"
-    lines = [f"{size_text(report['file_bytes'])}, {report['total_seconds']:.1f} s, {size_text(report['peak_bytes'])} of memory"]
+def result_text(report: dict[str, Any], unchanged_bytes: int) -> str:
+    lines = [f"{size_text(unchanged_bytes)}, unchanged since the last bake" if unchanged_bytes else
+             f"{size_text(report['file_bytes'])}, {report['total_seconds']:.1f} s, {size_text(report['peak_bytes'])} of memory"]
     for light in report["lights"]:
-        texel = light.get("texel_at_casters_m", {}).get("median", light["texel_m"])
+        texel = light["texel_at_casters_m"]["median"] if "texel_at_casters_m" in light else light["texel_m"]
         lines.append(f"{light['name']}: {light['resolution_px']} x {light['resolution_px']} texels of {texel:.3g} m")
     return "\n".join(lines)
 
@@ -56,7 +55,7 @@ class Bake:
     """One bake, from the level to the report. Its temporary folder is gone after finish() or close()."""
 
     def __init__(self, context: bpy.types.Context, chosen: Any, output: str) -> None:
-        self.output, vxs = output, find_vxs(context)
+        self.output, self.vxs, self.unchanged_bytes = output, find_vxs(context), 0
         self.folder = tempfile.TemporaryDirectory(prefix="vxs_", ignore_cleanup_errors=True)
         try:
             finish_edits(context)
@@ -68,7 +67,8 @@ class Bake:
                 areas = [note for note in self.level.notes if note.startswith("light ")]
                 raise BakeFailed((areas or ["No light is baked: add a sun, point or spot light that is rendered, with Bake Shadows on"])[0])
             self.report = os.path.join(self.folder.name, "report.json")
-            self.run = Run(vxs, bake_arguments(context, chosen, self.level.lights, path, output, self.report))
+            self.arguments = bake_arguments(context, chosen, self.level.lights, path, output, self.report)
+            self.run = Run(self.vxs, self.arguments)
         except BaseException:
             self.folder.cleanup()
             raise
@@ -82,7 +82,26 @@ class Bake:
         if "doing" in progress:
             left = progress.get("seconds_left")
             state.doing = progress["doing"].replace(self.level.path, "the level") + (f", {left:.0f} s left" if left is not None else "")
-        return self.status is None
+        return self.status is None or self.status == 0 and self.plans()
+
+    def plans(self) -> bool:
+        """Start a plan, once, where a bake had nothing to do: it gives the warnings. True when it runs."""
+        report = self.read_report()
+        if self.unchanged_bytes or not report.get("unchanged"):
+            return False
+        self.unchanged_bytes = report["file_bytes"]
+        self.run.finish()
+        self.run = Run(self.vxs, ["plan", *(a for a in self.arguments[1:] if a != "--if-changed")])
+        return True
+
+    def read_report(self) -> dict[str, Any]:
+        """{} when it is none of this vxs."""
+        try:
+            with open(self.report, encoding="utf-8") as file:
+                report = json.load(file)
+            return report if {"warnings", "unchanged"} <= set(report) else {}
+        except (OSError, ValueError, TypeError):
+            return {}
 
     def finish(self, state: Any) -> None:
         """Show results, once step() returned False. Raises BakeFailed."""
@@ -90,13 +109,12 @@ class Bake:
             self.run.finish()
             if self.status:
                 raise BakeFailed("The bake was cancelled" if self.status == 130 or state.is_cancelled else self.why())
-            with open(self.report, encoding="utf-8") as file:
-                report = json.load(file)
-            state.result, state.filepath = result_text(report), self.output
+            report = self.read_report()
+            if not report:
+                raise BakeFailed("vxs gave no report: set the path of vxs in the add-on's preferences")
+            state.result, state.filepath = result_text(report, self.unchanged_bytes), self.output
             tell_warnings(state, self.level, report["warnings"])
             tell_left_out(state, self.level)
-        except (OSError, ValueError, KeyError) as error:
-            raise BakeFailed("vxs gave no report: set the path of vxs in the add-on's preferences") from error
         finally:
             self.folder.cleanup()
 
@@ -174,6 +192,8 @@ class VXS_OT_bake(bpy.types.Operator):
         except BakeFailed as error:
             self.fail(state, str(error), things_named(str(error), bake.level))
             return {"CANCELLED"}
+        for message in state.messages if bpy.app.background else ():
+            print(f"vxs: {message.level.lower()}: {message.text}", flush=True)
         self.report({"INFO"}, f"{bake.output}: {state.result.splitlines()[0]}")
         return {"FINISHED"}
 

@@ -49,6 +49,8 @@ WORDS = (
     (r"store them near it, and place them by the translation of the node", "set the object's origin to its geometry"),
     (r"--memory (\S+(?: \w+)?)", r"the Memory of \1 in the add-on's preferences"),
     (r"try another --resolution or --coding dag, and.*", "try another Resolution"),
+    (r"set alphaMode to OPAQUE", "make it opaque"),
+    (r"image \d+ has", "its image has"),
     (r"KHR_materials_(?:diffuse_)?transmission lets", "transmission lets"),
     (r"or a node above it has", "or a parent of it has"),
     (r"\bnode\b", "object"),
