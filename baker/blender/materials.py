@@ -33,14 +33,11 @@ class Appearance:
     fault: str = ""  # what of its alpha is not baked
 
 
-def multiplied(end: End) -> tuple[float | None, End]:
-    """A number that an input is multiplied by, and the other factor; or None, and the input."""
-    product = node_before(end, "MATH", operation="MULTIPLY")
-    if product:
-        a, b = constant(product.input(0)), constant(product.input(1))
-        if a is not None or b is not None:
-            return (a, product.input(1)) if a is not None else (b, product.input(0))
-    return None, end
+def factor_of(alpha: End) -> float:
+    """The number that alpha is, or is multiplied by."""
+    product = node_before(alpha, "MATH", operation="MULTIPLY")
+    numbers = (constant(alpha), *((constant(product.input(0)), constant(product.input(1))) if product else ()))
+    return next((number for number in numbers if number is not None), 1.0)
 
 
 def clipped(end: End) -> tuple[float | None, End]:
@@ -65,23 +62,16 @@ def alpha_by_nodes(alpha: End | None) -> tuple[str, float | None, float]:
     if alpha is None or constant(alpha) == 1.0:
         return "OPAQUE", None, 1.0
     cutoff, alpha = clipped(alpha)
-    factor = constant(alpha)
-    if factor is None:
-        factor, _ = multiplied(alpha)
+    factor = factor_of(alpha)
     if cutoff is None and factor == 0.0:
         cutoff = 0.5
-    return "BLEND" if cutoff is None else "MASK", cutoff, 1.0 if factor is None else factor
+    return "BLEND" if cutoff is None else "MASK", cutoff, factor
 
 
 def alpha_by_settings(material: bpy.types.Material, alpha: End | None) -> tuple[str, float | None, float]:
     """The same in Blender before 4.2."""
     mode = MODES.get(material.blend_method, "OPAQUE")
-    factor = None
-    if alpha is not None:
-        factor = constant(alpha)
-        if factor is None:
-            factor, _ = multiplied(alpha)
-    return mode, material.alpha_threshold if mode == "MASK" else None, 1.0 if factor is None else factor
+    return mode, material.alpha_threshold if mode == "MASK" else None, factor_of(alpha) if alpha else 1.0
 
 
 def unlit_sockets(end: End) -> tuple[End, End | None] | None:
