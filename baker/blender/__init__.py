@@ -2,8 +2,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
-from . import bake, check, gltf_export, messages, panels, picture, preview, settings
-from .gltf_export import glTF2ExportUserExtension, register_panel  # noqa: F401  Blender's exporter looks for them here
+import sys
+
+for name in [name for name in sys.modules if name.startswith(__name__ + ".")]:  # an update: Blender loads this file alone again
+    sys.modules.pop(name)
+    globals().pop(name.rpartition(".")[2], None)
+
+from . import bake, check, gltf_export, messages, panels, picture, preview, settings  # noqa: E402
+from .gltf_export import glTF2ExportUserExtension, register_panel  # noqa: E402, F401  Blender's exporter looks for them here
 
 bl_info = {
     "name": "vxs baked shadows",
