@@ -48,6 +48,7 @@
 #   make blender        the Blender add-on: build/blender/vxs_shadows-VERSION.zip; install-blender installs it
 #   make check-blender  test the add-on for Blender in what Blenders there are; BPY=/path/to/python also in its module bpy; only=NAME
 #   make bench-blender  time bakes by the add-on, of a million triangles, beside the command alone: some minutes
+#   make compare-cycles measure vxs beside lightmaps of Cycles, in BLENDER=blender or a Python with bpy: some minutes; JSON and pictures in build/blender
 #   make web-compare    draw levels in a browser by shadow maps, lightmaps and baked shadows, beside ray-traced truth: build/web/compare/index.html
 #   make install        to $(DESTDIR)$(prefix), which may hold blanks; uninstall takes it away (runtime/install/)
 #   make man            manual pages, in build/release/man

@@ -9,3 +9,9 @@ check-blender: $B/vxs $(blender.zip)
 .PHONY: bench-blender
 bench-blender: $B/vxs $(blender.zip)
 	@VXS=$(abspath $B/vxs) ADDON=$(abspath $(blender.zip)) BLENDER="$(BLENDER)" $(python) tests/blender/speed.py
+
+# vxs beside lightmaps of Cycles: docs/blender.md. only=city,room: levels by their beginnings; quick=1: coarse, to test the program
+.PHONY: compare-cycles
+compare-cycles: $B/vxs $(blender.zip)
+	$Q $(python) tests/blender/beside_cycles.py --blender "$(BLENDER)" --vxs $B/vxs --addon $(blender.zip) --out build/blender/cycles.json \
+	    --only "$(only)" $(if $(quick),--quick)

@@ -73,7 +73,7 @@ class Rays:
             return False
         uv = self.texture_place(mesh, face, matrix.inverted() @ at)
         image = self.images.get(texture.image.name) or self.images.setdefault(texture.image.name, Image(texture.image))
-        return image.at(uv.x, uv.y) < material["clip"]
+        return image.at(uv.x, uv.y) < material.original["clip"]
 
     def texture_place(self, mesh, face, at):
         key = mesh.name, face
