@@ -37,9 +37,11 @@ class Session(with_addon.AddonRequests, with_preview.PreviewRequests):
 
     def export(self, path, **more):
         """The file that a user exports by hand, for shadows: what is visible and is rendered, with lights."""
+        # the exporter writes particles twice where it is asked for instances of geometry nodes, and metaballs only where it is
+        has_particles = any(thing.particle_systems for thing in bpy.data.objects)
         known = bpy.ops.export_scene.gltf.get_rna_type().properties.keys()
         wanted = dict(export_lights=True, use_visible=True, use_renderable=True, export_apply=True, export_gpu_instances=True,
-                      export_gn_mesh=True, export_animations=False, **more)
+                      export_gn_mesh=not has_particles, export_animations=False, **more)
         bpy.ops.export_scene.gltf(filepath=path, export_format="GLB", **{key: value for key, value in wanted.items() if key in known})
 
     def receivers(self, count, seed, left_out=()):

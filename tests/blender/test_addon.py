@@ -58,6 +58,19 @@ def test_settings_of_scene_and_lights_reach_the_bake(scene, vxs, tmp_path):
     assert lights.keys() == {"sun"} and lights["sun"]["packing"] == "small" and lights["sun"]["texel_m"] <= 0.1
 
 
+def test_a_region(scene, vxs, tmp_path):
+    texels = {}
+    for region in ("", "middle"):
+        assert scene("bake", filepath=str(tmp_path / "a.vxs"), resolution=256, region=region)["outcome"] == ["FINISHED"]
+        texels[region] = lights_of(vxs, tmp_path / "a.vxs")["sun"]["texel_m"]
+    assert texels["middle"] < 0.3 * texels[""]
+    x, y, z = scene("get", expression="list(bpy.data.objects['middle'].matrix_world.translation)")
+    points = f"{x} {z + 0.5} {-y}\n{x + 2} {z + 0.5} {-y}\n"
+    assert [line.split()[0] == "out" for line in vxs("query", tmp_path / "a.vxs", "--light", "sun", input=points).stdout.splitlines()] == [
+        False, True]
+    assert "no object 'none'" in scene("bake", filepath=str(tmp_path / "a.vxs"), region="none")["outcome"]
+
+
 def test_what_is_left_out_is_counted_by_reason(addon, tmp_path):
     addon("make", scene="movers")
     addon("set", path="bpy.context.scene.vxs", name="movers", collection="moving")

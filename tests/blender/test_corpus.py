@@ -97,4 +97,4 @@ def test_a_file_that_the_addon_baked(scene, addon, vxs, by_hand, tmp_path):
     assert not any(wrong.values())
     if scene not in LEFT_OUT and not exporter_fault(addon, scene):
         other, _ = answers_of(vxs, by_hand(scene), truth["points"])
-        assert share_that_differs(given, other) < 0.02, "each of them at an edge, as shown above, but too many"
+        assert share_that_differs(given, other) < 0.001, "each of them at an edge, as shown above, but too many"
