@@ -1,6 +1,7 @@
 # The zip in a fresh user folder: installed by make, kept by Blender, and used by a build machine with one command.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import os
+import shlex
 import subprocess
 
 import pytest
@@ -8,6 +9,13 @@ import pytest
 from conftest import FOLDER, ROOT, path_of
 
 BAKE = "import bpy; bpy.ops.vxs.bake()"
+
+
+def documented():
+    """The arguments of the command for build machines in docs/blender.md."""
+    text = (ROOT / "docs" / "blender.md").read_text()
+    (line,) = (line for line in text.splitlines() if line.startswith("    blender -b level.blend"))
+    return shlex.split(line)[2:]  # without blender -b
 
 
 @pytest.fixture(scope="module")
@@ -27,9 +35,9 @@ def installed(tmp_path_factory, vxs_path):
                           capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
 
-    def blender(*arguments, **more):
-        return subprocess.run([program, "-b", *map(str, arguments)], env={**environment, **more}, capture_output=True, text=True,
-                              timeout=120)
+    def blender(*arguments, folder=home, **more):
+        return subprocess.run([program, "-b", *map(str, arguments)], cwd=folder, env={**environment, "PWD": str(folder), **more},
+                              capture_output=True, text=True, timeout=120)
 
     return blender
 
@@ -45,7 +53,7 @@ def level(installed, tmp_path):
 
 
 def test_a_build_machine_bakes_by_one_command(installed, level, vxs):
-    done = installed(level, "--python-exit-code", 1, "--python-expr", BAKE)
+    done = installed(*documented(), folder=level.parent)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "Traceback" not in done.stdout + done.stderr
     vxs("validate", level.with_suffix(".vxs"))
@@ -53,7 +61,7 @@ def test_a_build_machine_bakes_by_one_command(installed, level, vxs):
 
 def test_a_build_machine_is_told_of_failures(installed, level, tmp_path):
     before = sorted(path.name for path in tmp_path.iterdir())
-    done = installed(level, "--python-exit-code", 1, "--python-expr", BAKE, PATH="/nowhere")
+    done = installed(*documented(), folder=tmp_path, PATH="/nowhere")
     assert done.returncode == 1 and "vxs was not found" in done.stdout + done.stderr
     done = installed("--python-exit-code", 1, "--python-expr", BAKE)
     assert done.returncode == 1 and "never saved" in done.stdout + done.stderr
