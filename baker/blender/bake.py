@@ -181,8 +181,9 @@ class VXS_OT_bake(bpy.types.Operator):
         return None
 
     def fail(self, state: Any, text: str, named: Iterable[tuple[str, str]] = ()) -> None:
-        tell(state, "ERROR", text, named)
-        self.report({"ERROR"}, text)
+        level = "INFO" if state.is_cancelled else "ERROR"  # what the user asked for is no fault
+        tell(state, level, text, named)
+        self.report({level}, text)
 
     def end(self, context: bpy.types.Context, bake: Bake) -> set[str]:
         state = context.window_manager.vxs

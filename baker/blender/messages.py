@@ -127,6 +127,7 @@ class VXS_OT_select_named(bpy.types.Operator):
         if not found:
             self.report({"WARNING"}, "What this message names is not in this view layer, or hidden")
             return {"CANCELLED"}
+        found = [ob for ob in found if ob.type != "LIGHT"] or found  # no user deletes a sun together with a stray plane
         bpy.ops.object.select_all(action="DESELECT")
         for ob in found:
             ob.select_set(True)
