@@ -24,17 +24,6 @@ int system_copy_attributes(const char *path, int descriptor);
 /* The path of the running program, NUL-terminated, in `room` bytes. Returns 0 where it is not known or longer. */
 int system_program(char *path, size_t room);
 
-/* Run a function in a process of its own, which ends with its result as exit status. Call it while there is no other thread.
- * Returns the exit status, 128 and the signal that ended it, or -1: no process can be made. */
-int system_run_apart(int (*run)(void *work), void *work);
-
-/* Begin to watch files, which need not exist. Returns a descriptor, or -1: it cannot be done. */
-int system_watch_begin(const char *const *paths, size_t count);
-
-/* Wait until one of these files was written, made or replaced since system_watch_begin, and then until none was for quiet_ms. Closes
- * the descriptor. Returns 0 on an error. */
-int system_watch_wait(int descriptor, const char *const *paths, size_t count, int quiet_ms);
-
 /* Progress by other means than a line on a terminal: 1 where system_show_progress shows it.
  * share  [0, 1]; negative: unknown */
 int  system_shows_progress(void);

@@ -14,7 +14,7 @@ from .gltf_export import glTF2ExportUserExtension, register_panel  # noqa: E402,
 bl_info = {
     "name": "vxs baked shadows",
     "author": "the vxs maintainers",
-    "version": (0, 1, 0),
+    "version": (0, 2, 0),
     "blender": (3, 4, 0),
     "location": "Properties > Render > Baked Shadows",
     "description": "Bakes the shadows of static geometry into small files for games",

@@ -6,8 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "baker/base/system.h"
-#include "baker/base/text.h"
+#include "baker/command/process/watched_files.h"
 #include "baker/files/json_file.h"
 
 /* An exporter writes several files, one after the other. */
@@ -70,9 +69,9 @@ vxs_result bake_watch(const char *scene_path, int (*bake)(void *work), void *wor
         watched files = {.count = 0};
         list_files(&files, scene_path);
         if (!files.count) return fail(m, VXS_E_MEMORY, "out of memory for the names of watched files");
-        int descriptor = system_watch_begin((const char *const *)files.paths, files.count);
-        int status     = descriptor < 0 ? -1 : system_run_apart(bake, work);
-        int changed    = status >= 0 && system_watch_wait(descriptor, (const char *const *)files.paths, files.count, QUIET_MS);
+        int descriptor = watched_files_begin((const char *const *)files.paths, files.count);
+        int status     = descriptor < 0 ? -1 : run_apart(bake, work);
+        int changed    = status >= 0 && watched_files_wait(descriptor, (const char *const *)files.paths, files.count, QUIET_MS);
         watched_free(&files);
         if (status < 0) return fail(m, VXS_E_UNSUPPORTED, "--watch: the folder of %s cannot be watched here", scene_path);
         if (!changed) return fail(m, VXS_E_READ, "--watch: the folder of %s cannot be read any more", scene_path);

@@ -17,7 +17,7 @@ wasm.flags  = $(filter -I%,$(flags)) -isystem $W/include -MMD -MP -ffp-contract=
 wasm.cflags = -std=c11 -D_GNU_SOURCE $(warn) -Wstrict-prototypes -Wmissing-prototypes $(wasm.flags)
 wasm.cxxflags = -std=c++17 $(warn) $(wasm.flags) -fwasm-exceptions -DCGAL_DISABLE_GMPXX -DCGAL_ALWAYS_ROUND_TO_NEAREST
 
-wasm.c     := $(filter-out baker/base/system_linux.c baker/files/png_encode.c,$(bake.c)) $(format.c) $(command.c) $(no_lab.c) $(runtime.c) $(wildcard runtime/volumes/*/area_points.c) baker/main.c baker/web/system_web.c
+wasm.c     := $(filter-out baker/base/system_linux.c baker/files/png_encode.c,$(bake.c)) $(format.c) $(filter-out baker/command/process/watched_files.c,$(command.c)) $(no_lab.c) $(runtime.c) $(wildcard runtime/volumes/*/area_points.c) baker/main.c baker/web/system_web.c
 wasm.cc    := $(wildcard baker/casters/*.cc baker/scene/gltf/*.cc baker/command/process/*.cc)
 wasm.data  := $(command.data:$B/%.o=%)
 wasm.o     := $(patsubst %,$W/o/command/%.o,$(wasm.c) $(wasm.cc) $(wasm.data))

@@ -26,6 +26,7 @@
 #include "baker/base/pages.h"
 #include "baker/base/system.h"
 #include "baker/base/terminal.h"
+#include "baker/command/process/watched_files.h"
 
 #define HOST(name) extern __attribute__((import_module("vxs"), import_name(#name)))
 
@@ -370,19 +371,19 @@ void *pages_alloc(size_t size_bytes)
 
 /* ------------------------------------------------------------------------------------------------------------------------------ */
 
-int system_run_apart(int (*run)(void *work), void *work)
+int run_apart(int (*run)(void *work), void *work)
 {
     (void)run, (void)work;
     return -1;
 }
 
-int system_watch_begin(const char *const *paths, size_t count)
+int watched_files_begin(const char *const *paths, size_t count)
 {
     (void)paths, (void)count;
     return -1;
 }
 
-int system_watch_wait(int descriptor, const char *const *paths, size_t count, int quiet_ms)
+int watched_files_wait(int descriptor, const char *const *paths, size_t count, int quiet_ms)
 {
     (void)descriptor, (void)paths, (void)count, (void)quiet_ms;
     return 0;

@@ -18,7 +18,7 @@ if len(HOSTS) == 1:
     HOSTS["bpy"] = ""
 
 
-ADDON = ROOT / os.environ.get("ADDON", "build/blender/vxs_shadows-0.1.0.zip")
+ADDON = ROOT / os.environ.get("ADDON", "build/blender/vxs_shadows-0.2.0.zip")
 
 
 class Died(Exception):
