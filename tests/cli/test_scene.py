@@ -229,7 +229,10 @@ def decode_png(data):
 def test_leaves_are_half_transparent(vxs, tmp_path, seed):
     vxs("scene", "forest", "--seed", seed, "-o", tmp_path / "a.glb", "--triangles", 1000)
     gltf, binary = read_glb((tmp_path / "a.glb").read_bytes())
-    (material,), (image,) = gltf["materials"], gltf["images"]
+    (material, plain), (image,) = gltf["materials"], gltf["images"]
+    matt = {"metallicFactor": 0, "roughnessFactor": 1}
+    assert plain["extras"] == {"vxs_plain": True}, "its mark for vxs view"
+    assert plain["pbrMetallicRoughness"] == matt and material["pbrMetallicRoughness"].items() >= matt.items(), "glTF's default is metal"
     assert material["alphaMode"] == "MASK" and material["alphaCutoff"] == 0.5 and material["doubleSided"]
     assert gltf["textures"] == [{"source": material["pbrMetallicRoughness"]["baseColorTexture"]["index"]}]
     view = gltf["bufferViews"][image["bufferView"]]
@@ -244,7 +247,7 @@ def test_forest_is_solid_wood_and_cards(vxs, tmp_path):
     solids, sheets = casters_of(vxs, tmp_path, "forest", "--triangles", 20000)
     gltf, binary = read_glb((tmp_path / "a.glb").read_bytes())
     meshes = {m["name"]: m["primitives"][0] for m in gltf["meshes"]}
-    assert list(meshes) == ["landscape", "wood", "leaves"] and "material" not in meshes["wood"]
+    assert list(meshes) == ["landscape", "wood", "leaves"] and gltf["materials"][meshes["wood"]["material"]]["name"] == "plain"
     uv = read_accessor(gltf, binary, meshes["leaves"]["attributes"]["TEXCOORD_0"])
     cards = gltf["accessors"][meshes["leaves"]["indices"]]["count"] // 6
     assert len(uv) == 8 * cards and cards > 4000

@@ -230,13 +230,12 @@ static int append_mesh(json_t *root, const chunk *c, const glb_scene *s, size_t 
 
     json_t *primitive = json_pack("{s:{s:I}, s:I}", "attributes", "POSITION", first, "indices", first + 1);
     failed |= !primitive;
-    if (!failed && mesh->material) {
-        failed = json_object_set_new(primitive, "material", json_integer((json_int_t)mesh->material - 1));
-        if (s->materials[mesh->material - 1].image) {
-            failed |= append(root, "accessors",
-                             float_accessor(c->texcoord_part, mesh->vertex_first * TEXCOORD_BYTES, mesh->vertex_count, "VEC2"));
-            failed |= json_object_set_new(json_object_get(primitive, "attributes"), "TEXCOORD_0", json_integer(first + 2));
-        }
+    size_t material = mesh->material ? mesh->material - 1 : s->material_count;
+    if (!failed) failed = json_object_set_new(primitive, "material", json_integer((json_int_t)material));
+    if (!failed && mesh->material && s->materials[material].image) {
+        failed |= append(root, "accessors",
+                         float_accessor(c->texcoord_part, mesh->vertex_first * TEXCOORD_BYTES, mesh->vertex_count, "VEC2"));
+        failed |= json_object_set_new(json_object_get(primitive, "attributes"), "TEXCOORD_0", json_integer(first + 2));
     }
     failed |= append(root, "meshes", json_pack("{s:s, s:[o]}", "name", mesh->name, "primitives", primitive));
 
@@ -300,11 +299,25 @@ static int set_emission(json_t *root, json_t *material, size_t texture, double s
     return json_object_update_new(material, members) | append(root, "extensionsUsed", json_string(extension));
 }
 
-static int append_material(json_t *root, const glb_scene *s, size_t i)
+/* What glTF leaves to its reader is a metal, which has no colour of its own: matt in every viewer. */
+static json_t *matt_surface(const glb_scene *s, const glb_material *material, size_t i)
 {
-    const glb_material *material = &s->materials[i];
-    json_t             *json     = json_pack("{s:s}", "name", material->name);
-    int                 failed   = !json;
+    json_t *json   = json_pack("{s:f, s:f}", "metallicFactor", 0.0, "roughnessFactor", 1.0);
+    int     failed = !json;
+    if (!failed && material->image)
+        failed |= json_object_set_new(json, "baseColorTexture", json_pack("{s:I}", "index", (json_int_t)texture_of(s, i)));
+    else if (!failed && !is_zero(material->colour))
+        failed |= json_object_set_new(json, "baseColorFactor",
+                                      json_pack("[f,f,f,f]", material->colour[0], material->colour[1], material->colour[2], 1.0));
+    if (!failed) return json;
+    json_decref(json);
+    return NULL;
+}
+
+static int append_material(json_t *root, const glb_scene *s, const glb_material *material, size_t i)
+{
+    json_t *json   = json_pack("{s:s}", "name", material->name);
+    int     failed = !json;
     if (!failed && material->double_sided) failed |= json_object_set_new(json, "doubleSided", json_true());
     if (!failed && material->alpha_cutoff > 0) {
         failed |= json_object_set_new(json, "alphaMode", json_string("MASK"));
@@ -312,16 +325,21 @@ static int append_material(json_t *root, const glb_scene *s, size_t i)
     }
     if (!failed && material->emission > 0)
         failed |= set_emission(root, json, texture_of(s, i), material->emission);
-    else if (!failed && material->image)
-        failed |= json_object_set_new(json, "pbrMetallicRoughness",
-                                      json_pack("{s:{s:I}, s:f, s:f}", "baseColorTexture", "index", (json_int_t)texture_of(s, i),
-                                                "metallicFactor", 0.0, "roughnessFactor", 1.0));
-    else if (!failed && !is_zero(material->colour))
-        failed |=
-            json_object_set_new(json, "pbrMetallicRoughness",
-                                json_pack("{s:[f,f,f,f], s:f, s:f}", "baseColorFactor", material->colour[0], material->colour[1],
-                                          material->colour[2], 1.0, "metallicFactor", 0.0, "roughnessFactor", 1.0));
+    else if (!failed)
+        failed |= json_object_set_new(json, "pbrMetallicRoughness", matt_surface(s, material, i));
     return failed | append(root, "materials", json);
+}
+
+/* Meshes without a material have the one behind all others. Its mark lets `vxs view` show them in a colour of its own. */
+static int append_plain_material(json_t *root, const glb_scene *s)
+{
+    const glb_material plain   = {.name = "plain"};
+    size_t             without = 0;
+    for (size_t i = 0; i < s->mesh_count; i++) without += !s->meshes[i].material;
+    if (!without) return 0;
+    if (append_material(root, s, &plain, s->material_count)) return 1;
+    json_t *material = json_array_get(json_object_get(root, "materials"), s->material_count);
+    return json_object_set_new(material, "extras", json_pack("{s:b}", "vxs_plain", 1));
 }
 
 static int append_image(json_t *root, const chunk *c, size_t i)
@@ -361,7 +379,8 @@ static json_t *json_from_scene(const glb_scene *s, const chunk *c)
     for (size_t i = 0; !failed && i < s->mesh_count; i++) failed = append_mesh(root, c, s, i);
     for (size_t i = 0; !failed && i < s->smoke_count; i++) failed = append_smoke(root, c, s, i);
     if (!failed && s->mesh_count + s->smoke_count && !is_zero(s->origin_ws)) failed = append_origin(root, s->origin_ws);
-    for (size_t i = 0; !failed && i < s->material_count; i++) failed = append_material(root, s, i);
+    for (size_t i = 0; !failed && i < s->material_count; i++) failed = append_material(root, s, &s->materials[i], i);
+    if (!failed) failed = append_plain_material(root, s);
     for (size_t i = 0; !failed && i < s->image_count; i++) failed = append_image(root, c, i);
     for (size_t i = 0; !failed && i < s->material_count; i++)
         failed = has_sampler(&s->materials[i]) && append_sampler(root, &s->materials[i]);

@@ -31,6 +31,8 @@ const meshesBelow = (root) => {
   return found;
 };
 
+const isPlain = (material, gltf) => material.userData.vxs_plain || !gltf.parser.associations.get(material);
+
 /** A light that a baked one describes, for lights that were given to the bake alone. */
 function lightOf(baked) {
   const row = (n) => new Vector3(...baked.matrix.subarray(4 * n, 4 * n + 3));
@@ -129,9 +131,9 @@ export class Stage {
     this.scene.add(root);
     root.updateWorldMatrix(true, true);
     for (const mesh of meshesBelow(root)) {
-      // glTF's material of a mesh without one is a white metal: this is plaster instead
+      // glTF's material of a mesh without one is a white metal, that of `vxs scene` white: this is plaster instead
       for (const material of [mesh.material].flat())
-        if (!gltf.parser.associations.get(material) && material.isMeshStandardMaterial)
+        if (isPlain(material, gltf) && material.isMeshStandardMaterial)
           Object.assign(material, { metalness: 0, roughness: 0.9, color: new Color(0.78, 0.65, 0.49) });
       if (mesh.isSkinnedMesh) mesh.frustumCulled = false;
     }
