@@ -13,8 +13,8 @@ async function grey(url) {
   return Float32Array.from({ length: data.length / 4 }, (_, n) => (data[4 * n] === data[4 * n + 2] ? data[4 * n] / 255 : NaN));
 }
 
-async function newRenderer(backend, [width, height]) {
-  const renderer = new THREE.WebGPURenderer({ forceWebGL: backend === 'webgl', antialias: false });
+async function newRenderer(backend, [width, height], options = {}) {
+  const renderer = new THREE.WebGPURenderer({ forceWebGL: backend === 'webgl', antialias: false, ...options });
   await renderer.init();
   renderer.setSize(width, height);
   document.body.append(renderer.domElement);
@@ -51,6 +51,58 @@ export async function fogPicture({ glb, vxs, view, size, light, medium, backend,
   nodes.forEach((node) => node.dispose());
   shadows.dispose();
   return picture;
+}
+
+/** A scene with one light, white and matt, and what draws it: one channel of its pixels. */
+async function whiteScene({ glb, vxs, view, size, light, backend, type, options }) {
+  const renderer = await newRenderer(backend, size, options), gltf = await new GLTFLoader().loadAsync(glb), shadows = await new VXSLoader().loadAsync(vxs);
+  const camera = newCamera(view, size), scene = new THREE.Scene().add(gltf.scene), target = new THREE.RenderTarget(...size, { type: THREE.FloatType });
+  const white = new THREE.MeshLambertMaterial({ flatShading: true });
+  gltf.scene.traverse((object) => {
+    if (object.isMesh) object.material = white;
+    if (object.isLight && object.name !== light) object.visible = false;
+  });
+  if (type) renderer.shadowMap.type = THREE[type];
+  return { renderer, gltf, shadows, light: gltf.scene.getObjectByName(light), async draw() {
+    renderer.setRenderTarget(target);
+    renderer.render(scene, camera);
+    return read(renderer, target);
+  } };
+}
+
+/** The share of light at each pixel, as litPixels() of three_page.mjs. */
+export async function litPixels({ attach, ...what }) {
+  const { renderer, gltf, shadows, draw } = await whiteScene(what), bare = await draw();
+  shadows.attach(gltf, { renderer, ...attach });
+  const lit = await draw(), calls = renderer.info.render.frameCalls;
+  return { lit: Array.from(lit, (x, n) => (bare[n] > 1e-4 ? x / bare[n] : NaN)), calls };
+}
+
+/** Sums of pictures of attach() and setFilter() one behind the other. */
+export async function changes(what) {
+  const { renderer, gltf, shadows, light, draw } = await whiteScene(what), sums = {};
+  const picture = async (name) => { sums[name] = (await draw()).reduce((sum, x, n) => sum + x * (1 + (n % 7)), 0); };
+  await picture('none');
+  shadows.attach(gltf, { renderer, filter: { box: 1 } });
+  await picture('narrow');
+  shadows.setFilter({ box: 17 });
+  await picture('wide');
+  shadows.attach(gltf, { renderer, way: 'depth' });
+  await picture('depth');
+  shadows.attach(gltf, { renderer, filter: { box: 1 } });
+  await picture('narrow again');
+  shadows.detach();
+  await picture('none again');
+  light.castShadow = true;
+  gltf.scene.traverse((object) => { if (object.isMesh) object.castShadow = object.receiveShadow = true; });
+  await picture('live');
+  shadows.attach(gltf, { renderer, filter: { box: 1 } });
+  await picture('narrow over live');
+  shadows.attach(gltf, { renderer, way: 'depth' });
+  await picture('depth over live');
+  shadows.detach();
+  await picture('live again');
+  return sums;
 }
 
 /** What a light lets through at each pixel, against a pass of `vxs render`: see compared() of three_page.mjs. */

@@ -11,7 +11,7 @@ import { VXSError } from 'vxs';
 import { placeOf } from './names.mjs';
 
 const PACKS = Number.parseInt(REVISION, 10) < 182;
-const SLOT = ['map', 'autoUpdate', 'needsUpdate', 'bias', 'normalBias', 'updateMatrices'];
+const SLOT = ['autoUpdate', 'needsUpdate', 'bias', 'normalBias', 'updateMatrices'];
 
 const farOf = (baked) => baked.nearMetres * Math.exp(baked.resolution * baked.voxelMetres);
 // depth of a perspective camera at z metres, as A + B / z
@@ -94,6 +94,51 @@ function cubeDepths(baked, resolution, fromRoot) {
   });
 }
 
+/**
+ * Fill the shadow slot of a light for a map of that many texels, with more fields of a LightShadow. Returns a function that puts back what
+ * was there.
+ */
+export function fillSlot(light, baked, resolution, fromRoot, reversed, fields) {
+  const { shadow } = light, had = [...SLOT, ...Object.keys(fields)].map((name) => [name, Object.hasOwn(shadow, name), shadow[name]]);
+  const before = { castShadow: light.castShadow, matrix: shadow.matrix.clone(), size: shadow.mapSize.clone() }, { near, far } = shadow.camera;
+  Object.assign(shadow, fields, { autoUpdate: false, needsUpdate: false });
+  shadow.updateMatrices = () => {}; // spots with a texture call it each frame
+  shadow.mapSize.set(resolution, resolution);
+  shadow.bias = -1.5 / baked.resolution;
+  light.castShadow = true;
+  if (baked.kind === 'directional') shadow.normalBias = 2 * baked.texelMetres * (baked.resolution / resolution);
+  else {
+    const reach = (light.distance || farOf(baked)) / 4; // where bias and normal bias are right
+    shadow.normalBias = 2 * baked.texelMetres * (baked.resolution / resolution) * reach;
+    shadow.bias = (-1.5 * baked.voxelMetres * baked.nearMetres) / reach;
+  }
+  if (baked.kind === 'point') {
+    shadow.camera.near = baked.nearMetres;
+    shadow.camera.far = farOf(baked);
+    const place = placeOf(baked).position.applyMatrix4(fromRoot.clone().invert());
+    shadow.matrix.makeTranslation(-place.x, -place.y, -place.z);
+  } else shadow.matrix.copy(matrixOf(baked, fromRoot, reversed));
+  return () => {
+    for (const [name, own, value] of had)
+      if (own) shadow[name] = value;
+      else delete shadow[name];
+    shadow.matrix.copy(before.matrix);
+    shadow.mapSize.copy(before.size);
+    Object.assign(shadow.camera, { near, far });
+    light.castShadow = before.castShadow;
+  };
+}
+
+/** Depths of one map, or of six faces. reversed: 1 is near. mirrored: faces of a cube that is sampled at -x, as WebGPU does. */
+export function depthsOf(baked, resolution, fromRoot, reversed, mirrored = false) {
+  const turn = mirrored ? fromRoot.clone().scale(new Vector3(-1, 1, 1)) : fromRoot;
+  const faces = baked.kind === 'point' ? cubeDepths(baked, resolution, turn) : [flatDepths(baked, resolution)];
+  return reversed ? faces.map((depths) => depths.map((depth) => 1 - depth)) : faces;
+}
+
+/** Whether 16 bits hold each depth. */
+export const isShort = (baked) => baked.kind === 'directional' && baked.levels <= 12;
+
 export class DepthMaps {
   /**
    * renderer    WebGLRenderer;   resolution  of a map, a power of two
@@ -109,57 +154,29 @@ export class DepthMaps {
     const made = pairs.map(({ baked }) => this.#texture(baked, fromRoot, Math.min(baked.resolution, wanted), type, reversed));
     renderer.shadowMap.enabled = true;
     this.baked = new Map(pairs.map(({ light, baked }) => [light, baked]));
-    this.restore = pairs.map(({ light, baked }, n) => this.#put(light, baked, made[n], fromRoot, reversed));
+    this.restore = pairs.map(({ light, baked }, n) => {
+      const texture = made[n], side = texture.image.width ?? texture.image[0].image.width;
+      const map = { texture, depthTexture: PACKS ? null : texture, width: side, height: side, setSize() {}, dispose() {} };
+      const restore = fillSlot(light, baked, side, fromRoot, reversed, { map });
+      return () => {
+        texture.dispose();
+        restore();
+      };
+    });
   }
 
   #texture(baked, fromRoot, resolution, type, reversed) {
-    const faces = baked.kind === 'point' ? cubeDepths(baked, resolution, fromRoot) : [flatDepths(baked, resolution)];
-    const pack = PACK[PACKS ? 'packed' : baked.kind === 'directional' && baked.levels <= 12 ? 'short' : 'long'];
-    const texels = faces.map((depths) => pack(reversed ? depths.map((depth) => 1 - depth) : depths));
+    const pack = PACK[PACKS ? 'packed' : isShort(baked) ? 'short' : 'long'];
+    const texels = depthsOf(baked, resolution, fromRoot, reversed).map(pack);
     const { data: first, ...format } = texels[0];
     const images = texels.map(({ data }) => new DataTexture(data, resolution, resolution, format.format, format.type));
-    const texture = faces.length === 6 ? new CubeTexture(images) : images[0];
+    const texture = texels.length === 6 ? new CubeTexture(images) : images[0];
     Object.assign(texture, format, { name: `${baked.name}.vxs`, generateMipmaps: false, flipY: false, unpackAlignment: 1 });
     const filters = !PACKS && type !== BasicShadowMap;
     texture.minFilter = texture.magFilter = filters ? LinearFilter : NearestFilter;
     if (filters) texture.compareFunction = reversed ? GreaterEqualCompare : LessEqualCompare;
     texture.needsUpdate = true;
     return texture;
-  }
-
-  // Fill the shadow slot of a light; returns a function that puts back what was there.
-  #put(light, baked, texture, fromRoot, reversed) {
-    const { shadow } = light, had = SLOT.map((name) => [name, Object.hasOwn(shadow, name), shadow[name]]);
-    const before = { castShadow: light.castShadow, matrix: shadow.matrix.clone(), size: shadow.mapSize.clone() };
-    const { near, far } = shadow.camera, resolution = texture.image.width ?? texture.image[0].image.width;
-    shadow.map = { texture, depthTexture: PACKS ? null : texture, width: resolution, height: resolution, setSize() {}, dispose() {} };
-    shadow.autoUpdate = shadow.needsUpdate = false;
-    shadow.updateMatrices = () => {}; // spots with a texture call it each frame
-    shadow.mapSize.set(resolution, resolution);
-    shadow.bias = -1.5 / baked.resolution;
-    light.castShadow = true;
-    if (baked.kind === 'directional') shadow.normalBias = 2 * baked.texelMetres * (baked.resolution / resolution);
-    else {
-      const reach = (light.distance || farOf(baked)) / 4; // where bias and normal bias are right
-      shadow.normalBias = 2 * baked.texelMetres * (baked.resolution / resolution) * reach;
-      shadow.bias = (-1.5 * baked.voxelMetres * baked.nearMetres) / reach;
-    }
-    if (baked.kind === 'point') {
-      shadow.camera.near = baked.nearMetres;
-      shadow.camera.far = farOf(baked);
-      const place = placeOf(baked).position.applyMatrix4(fromRoot.clone().invert());
-      shadow.matrix.makeTranslation(-place.x, -place.y, -place.z);
-    } else shadow.matrix.copy(matrixOf(baked, fromRoot, reversed));
-    return () => {
-      texture.dispose();
-      for (const [name, own, value] of had)
-        if (own) shadow[name] = value;
-        else delete shadow[name];
-      shadow.matrix.copy(before.matrix);
-      shadow.mapSize.copy(before.size);
-      Object.assign(shadow.camera, { near, far });
-      light.castShadow = before.castShadow;
-    };
   }
 
   add() {} // materials of three.js need nothing

@@ -7,12 +7,14 @@ export { VXSError } from 'vxs';
 export { VXSShadowsPlugin, lightOf } from './index.js';
 
 export interface NodeAttachOptions {
-  /** Exact lookups through light.shadow.shadowNode; the only way here. */
-  way?: 'lookup';
+  /** 'lookup' (default): exact answers, by light.shadow.shadowNode. 'depth': the map in light.shadow.map, for the filters of three.js. */
+  way?: 'lookup' | 'depth';
   /** { box: 9 } by default. */
   filter?: Filter;
-  /** Its shadowMap.enabled is set; else set it yourself: without it, three.js has no shadow nodes. */
+  /** Needed by the way 'depth'. Its shadowMap.enabled is set; else set it yourself: without it, three.js has no shadow nodes. */
   renderer?: WebGPURenderer;
+  /** As in vxs/three: texels along a side of a depth texture. */
+  resolution?: number;
   /** Objects that move: they alone cast into live maps, whose answer is multiplied with the baked one. */
   movers?: Object3D[];
 }

@@ -7,6 +7,7 @@ import { Binding } from './binding.mjs';
 import { VXSShadowsPlugin as Plugin } from './gltf.mjs';
 import { ShadowLoader } from './loader.mjs';
 import { readers, wgslReaders } from './text.mjs';
+import { NodeDepths, setShadowNode } from './webgpu_depth.mjs';
 import { wgsl } from './wgsl.mjs';
 import { TEXELS, commonMacros, integerTexture, writeConstants } from './words.mjs';
 
@@ -54,7 +55,7 @@ class NodeLookups {
     [...this.baked.keys()].forEach((light, row) => {
       const lit = new LitNode(this, row);
       const live = light.isPointLight ? pointShadow : shadow;
-      light.shadow.shadowNode = moves ? live(light).mul(lit) : lit;
+      setShadowNode(light, moves ? live(light).mul(lit) : lit);
     });
   }
 
@@ -70,13 +71,13 @@ class NodeLookups {
   add() {} // shadow nodes are part of the lights
 
   dispose() {
-    for (const light of this.baked.keys()) delete light.shadow.shadowNode;
+    for (const light of this.baked.keys()) setShadowNode(light, null);
     this.constants.dispose();
   }
 }
 
 export class VXSLoader extends ShadowLoader {
-  static ways = { lookup: NodeLookups };
+  static ways = { lookup: NodeLookups, depth: NodeDepths };
 }
 export class VXSShadowsPlugin extends Plugin {
   static Loader = VXSLoader;
