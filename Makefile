@@ -49,6 +49,8 @@
 #   make check-blender  test the add-on for Blender in what Blenders there are; BPY=/path/to/python also in its module bpy; only=NAME
 #   make bench-blender  time bakes by the add-on, of a million triangles, beside the command alone: some minutes
 #   make compare-cycles measure vxs beside lightmaps of Cycles, in BLENDER=blender or a Python with bpy: some minutes; JSON and pictures in build/blender
+#   make godot          the add-on for Godot 4: build/godot/addons/vxs and a zip (docs/godot.md)
+#   make check-godot    test it in Godot's web template, which npm has, in Chromium; only=NAME
 #   make web-compare    draw levels in a browser by shadow maps, lightmaps and baked shadows, beside ray-traced truth: build/web/compare/index.html
 #   make install        to $(DESTDIR)$(prefix), which may hold blanks; uninstall takes it away (runtime/install/)
 #   make man            manual pages, in build/release/man
@@ -207,6 +209,7 @@ include baker/blender/blender.mk
 include tests/blender/blender.mk
 include runtime/install/amalgamation.mk
 include runtime/python/python.mk
+include runtime/godot/godot.mk
 
 $B/vxs-core: $B/baker/main.c.o $(command.o) $(no_lab.c:%=$B/%.o) $B/bake.a $B/libvxs_volumes.a $B/libvxs.a
 $B/vxs-core: libs = $(core.libs)

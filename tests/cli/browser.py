@@ -18,13 +18,14 @@ FLAGS = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage
 class Browser:
     """Shows one page at a time. requests: addresses that the page requested; complaints: errors, log lines and dialogs."""
 
-    def __init__(self):
+    def __init__(self, flags=(), patience_s=60):
+        self.patience_s = patience_s
         self.folder = tempfile.TemporaryDirectory(prefix="vxs-browser-")
         from_us, self.to = os.pipe()
         self.back, to_us = os.pipe()
         # the browser reads descriptor 3 and writes descriptor 4
         shell = f"exec 9<&{from_us} 8>&{to_us}; exec 3<&9 4>&8 9<&- 8>&-; exec \"$0\" \"$@\""
-        self.process = subprocess.Popen(["bash", "-c", shell, shutil.which("chromium"), *FLAGS,
+        self.process = subprocess.Popen(["bash", "-c", shell, shutil.which("chromium"), *FLAGS, *flags,
                                          f"--user-data-dir={self.folder.name}"], pass_fds=(from_us, to_us),
                                         stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
                                         env=os.environ | {"HOME": self.folder.name})
@@ -46,7 +47,7 @@ class Browser:
 
     def receive(self):
         while b"\0" not in self.pending:
-            assert select.select([self.back], [], [], 60)[0], "the browser says nothing for a minute"
+            assert select.select([self.back], [], [], self.patience_s)[0], f"the browser says nothing for {self.patience_s} s"
             piece = os.read(self.back, 1 << 20)
             assert piece, "the browser is gone"
             self.pending += piece

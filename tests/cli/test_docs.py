@@ -363,6 +363,11 @@ def test_listing_of_streams(vxs, asset, compile_listing):
     assert run_on(compile_listing(listing, "-lpthread"), asset / "a.vxs", GROUND) == vxs("query", asset / "a.vxs", "--filter", 9, input=GROUND).stdout
 
 
+def test_listing_of_godot():
+    """It is the example that tests/godot runs."""
+    assert (ROOT / "runtime/godot/example/main.gd").read_text().partition("extends")[2] in (DOCS / "godot.md").read_text()
+
+
 def test_listings_of_shaders():
     """One is in tests/shaders, which test_shaders.py compiles and tests/unit/test_shaders.c runs; the other is that of the guide to fog."""
     shaders = ROOT / "tests" / "shaders"

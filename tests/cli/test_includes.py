@@ -60,8 +60,8 @@ def modules():
 
 
 def python_modules():
-    """Module of the Blender add-on or of vxs for Python: those that it imports, from its own folder."""
-    files = [p for folder in ("baker/blender", "runtime/python/vxs") for p in (ROOT / folder).glob("*.py")]
+    """Module of the Blender add-on, of vxs for Python or of the Godot add-on: those that it imports, from its own folder."""
+    files = [p for folder in ("baker/blender", "runtime/python/vxs", "runtime/godot") for p in (ROOT / folder).glob("*.py")]
     return {str(p.relative_to(ROOT)): [str(p.parent.relative_to(ROOT) / f"{name}.py") for name in re.findall(r"^from \.(\w+) import", p.read_text(), re.M)]
             for p in files}
 
