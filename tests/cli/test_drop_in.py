@@ -10,7 +10,7 @@ import tarfile
 
 import pytest
 
-from conftest import ROOT
+from conftest import EVERY, ROOT
 from test_docs import listings
 
 DECODER = ROOT / "build" / "amalgamation" / "zstddeclib.c"  # make amalgamation, where Debian's sources can be had
@@ -63,8 +63,9 @@ def needs(*programs):
             pytest.skip(f"no {name}")
 
 
-@pytest.mark.parametrize("compiler", ["gcc", "clang"])
-@pytest.mark.parametrize("macros", [[], ["-DVXS_NO_STREAM"], ["-DVXS_SYSTEM_ZSTD"], ["-DVXS_SYSTEM_ZSTD", "-DVXS_NO_STREAM"]], ids=" ".join)
+@pytest.mark.parametrize("compiler", ["gcc", pytest.param("clang", marks=pytest.mark.long)])
+@pytest.mark.parametrize("macros", [[], pytest.param(["-DVXS_NO_STREAM"], marks=pytest.mark.long), pytest.param(["-DVXS_SYSTEM_ZSTD"], marks=pytest.mark.long),
+                                    ["-DVXS_SYSTEM_ZSTD", "-DVXS_NO_STREAM"]], ids=" ".join)
 def test_two_files(folder, tmp_path, compiler, macros):
     needs(compiler)
     if "-DVXS_SYSTEM_ZSTD" not in macros and not DECODER.exists():
@@ -78,6 +79,7 @@ def test_two_files(folder, tmp_path, compiler, macros):
     assert ("pthread" in undefined) == bool(threads)
 
 
+@pytest.mark.long
 def test_from_cpp_and_with_sanitizers(folder, tmp_path):
     build(folder, ["gcc", "-std=c11", *STRICT, "-DVXS_SYSTEM_ZSTD", "-fsanitize=address,undefined", "-c", "vxs.c", "-o", tmp_path / "vxs.o"])
     shutil.copy(folder / "game.c", tmp_path / "game.cc")
@@ -87,6 +89,7 @@ def test_from_cpp_and_with_sanitizers(folder, tmp_path):
     answers_alike(folder, [tmp_path / "game"])
 
 
+@pytest.mark.long
 def test_with_32_bits(folder, tmp_path):
     if subprocess.run(["gcc", "-m32", "-x", "c", "-", "-o", tmp_path / "a"], input="int main(void) { return 0; }", text=True, capture_output=True).returncode:
         pytest.skip("no gcc-multilib")
@@ -96,7 +99,7 @@ def test_with_32_bits(folder, tmp_path):
     answers_alike(folder, [tmp_path / "game"])
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_for_windows(folder, tmp_path):
     needs("x86_64-w64-mingw32-gcc")
     if not DECODER.exists():
@@ -168,7 +171,8 @@ def cmake_project(at, folder, use, *options):
     build(at, ["cmake", "--build", "made", "-j2"])
 
 
-@pytest.mark.parametrize("options", [[], ["-DVXS_STREAM=OFF"], ["-DBUILD_SHARED_LIBS=ON"]], ids=" ".join)
+@pytest.mark.parametrize("options", [[], *(pytest.param([option], marks=pytest.mark.long) for option in ("-DVXS_STREAM=OFF", "-DBUILD_SHARED_LIBS=ON"))],
+                         ids=" ".join)
 def test_cmake(folder, archive, tmp_path, options):
     needs("cmake")
     version = ".".join(re.findall(r"^#define VXS_VERSION_M\w+ (\d+)", (ROOT / "runtime" / "vxs.h").read_text(), re.M))
@@ -178,7 +182,7 @@ def test_cmake(folder, archive, tmp_path, options):
     build(first, ["cmake", "--install", "made"])
     cmake_project(tmp_path / "find_package", folder, uses["find_package"], f"-DCMAKE_PREFIX_PATH={tmp_path / 'installed here'}")
     programs = ["add_subdirectory", "find_package"]
-    if not options:
+    if options and EVERY:
         cmake_project(tmp_path / "FetchContent", folder, uses["FetchContent"])
         programs.append("FetchContent")
     for name in programs:
