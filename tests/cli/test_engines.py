@@ -192,3 +192,59 @@ def test_rust_draws_a_frame(vxs, tmp_path):
     assert done.returncode == 0, done.stderr
     same, total = (int(word) for word in done.stdout.splitlines()[-1].split() if word.isdigit())
     assert total == 65536 and same >= 0.999 * total and len(set((tmp_path / "frame.pgm").read_bytes()[15:])) > 10
+
+
+# Ten minutes to a lit frame -------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def city(vxs, tmp_path_factory):
+    at = tmp_path_factory.mktemp("frames")
+    vxs("scene", "city", "--triangles", 10000, "-o", at / "level.glb")
+    vxs("bake", at / "level.glb", "-o", at / "level.vxs")
+    (program,) = listings("c", ROOT / "docs" / "engines.md")
+    (at / "frame.c").write_text(program)
+    return at
+
+
+def frame(at):
+    data = (at / "frame.pgm").read_bytes()
+    (at / "frame.pgm").unlink()
+    assert data.startswith(b"P5 256 256 255\n") and len(data) == 15 + 256 * 256
+    return data[15:]
+
+
+def by_two_files(at):
+    subprocess.run(["make", "-s", "-C", ROOT, "packages=skip", "amalgamation"], check=True, capture_output=True)
+    sources = ROOT / "build" / "amalgamation"
+    zstd = [] if (sources / "zstddeclib.c").exists() else ["-DVXS_SYSTEM_ZSTD", "-lzstd"]
+    subprocess.run(["cc", "-O1", f"-I{sources}", "frame.c", sources / "vxs.c", *zstd, "-lm", "-pthread", "-o", "frame"], cwd=at, check=True)
+    with open(at / "frame.pgm", "wb") as out:
+        subprocess.run([at / "frame", "level.vxs"], cwd=at, stdout=out, check=True)
+
+
+def test_frames_are_alike(vxs, vxs_path, city, tmp_path):
+    """By two files and by Python they are equal; by a depth map, whose one tap has hard edges, nearly."""
+    numpy = pytest.importorskip("numpy", reason="no numpy: package python3-numpy")
+    by_two_files(city)
+    wanted = numpy.frombuffer(frame(city), numpy.uint8).astype(int)
+    assert 0.2 < wanted.mean() / 255 < 0.95
+    depths, module = listings("python", ROOT / "docs" / "engines.md")
+    vxs("export", city / "level.vxs", "-o", city / "exported", "--depth", 4096, "--format", "raw")
+    env = os.environ | {"PYTHONPATH": str(ROOT / "runtime" / "python"), "VXS_LIBRARY": str(shared_library(vxs_path))}
+    for listing, tolerance in ((depths, 0.06), (module, 0)):
+        subprocess.run(["/usr/bin/python3", "-c", listing], cwd=city, env=env, check=True)
+        assert abs(numpy.frombuffer(frame(city), numpy.uint8).astype(int) - wanted).mean() / 255 <= tolerance
+
+
+@pytest.mark.long
+def test_frame_by_cmake(city, tmp_path):
+    if not shutil.which("cmake"):
+        pytest.skip("no cmake")
+    by_two_files(city)
+    wanted = frame(city)
+    (text,) = listings("cmake", ROOT / "docs" / "engines.md")
+    (city / "CMakeLists.txt").write_text(text)
+    (city / "vxs").symlink_to(ROOT)
+    subprocess.run("cmake -B made && cmake --build made && made/frame level.vxs >frame.pgm", shell=True, cwd=city, check=True, capture_output=True)
+    assert frame(city) == wanted
