@@ -22,10 +22,11 @@ def test_files(godot, vxs, tmp_path):
     for folder in ("dag", "unity"):
         files |= {f"{folder}/{path.name}": path.read_bytes() for path in (tmp_path / folder).iterdir()}
     files |= {f"short/{name}": files[f"city/{name}"] for name in ("shadows.json", "lights.bin")}
-    files |= {"short/words.bin": files["city/words.bin"][:-4], "text/shadows.json": "{", "none/x": "", "words.vxs": b"words" * 20,
+    files |= {"short/words.bin": files["city/words.bin"][:-4], "text/shadows.json": "{", "kinds/words.bin": b"1234",
+              "kinds/shadows.json": '{"axes": "gltf", "lights": [1], "word_count": [1]}', "none/x": "", "words.vxs": b"words" * 20,
               "dag.vxs": (ROOT / "tests/golden/sample.vxs").read_bytes(), "small.vxs": (ROOT / "tests/golden/blocks.vxs").read_bytes()}
     refused = {"dag": "light 'sun' is a DAG", "unity": "lights for 'unity': export with --axes godot", "short": "words.bin is not that",
-               "text": "is not JSON", "none": "no shadows.json", "dag.vxs": "version 1 of the format",
+               "text": "is not JSON", "kinds": "words.bin is not that", "none": "no shadows.json", "dag.vxs": "version 1 of the format",
                "small.vxs": "is packed small: bake with --pack fast", "words.vxs": "not a .vxs file"}
     result = godot(files | {"cases.json": json.dumps(cases | {"refused": list(refused)})})
 
@@ -38,7 +39,9 @@ def test_files(godot, vxs, tmp_path):
             assert read[:len(words)] == words and not any(read[len(words):]), path
             for at in range(0, len(constants), 96):  # but for fractions of the origin, which lookups do not read
                 assert got[f"{path}.constants"][at:at + 88] == constants[at:at + 88], path
-    assert got["loaded"] == "true"
+    assert got["loaded"] == got["dock"] == "true"
+    assert [got.get(f"pair.{n}") for n in range(3)] == ["lamp3 lamp", "y corner", None]
+    assert got["scaled"] == "false" and any("is scaled: bake it at the size" in line for line in errors)
     for path, text in refused.items():
         assert got[f"{path}.opened"] == "false"
         assert [line for line in errors if line.startswith(f"ERROR: vxs: res://{path}: ") and text in line], (path, errors)

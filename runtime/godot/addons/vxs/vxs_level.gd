@@ -79,7 +79,7 @@ func _read_export(path: String) -> String:
 		names.append(str(light.get("name")) if light is Dictionary else "")
 	constants = FileAccess.get_file_as_bytes(folder.path_join("lights.bin"))
 	var bytes := FileAccess.get_file_as_bytes(folder.path_join("words.bin"))
-	if bytes.is_empty() or bytes.size() != 4 * int(root.get("word_count", 0)):
+	if bytes.is_empty() or not root.get("word_count") is float or bytes.size() != 4 * int(root.word_count):
 		return "words.bin is not that of shadows.json"
 	return _take(bytes)
 

@@ -30,6 +30,7 @@ var numbers := PackedInt32Array()
 var _root: Node3D
 var _converted := {} # material: its ShaderMaterial, or null
 var _restore: Array[Callable] = []
+var _is_stale := false
 
 
 func _ready() -> void:
@@ -71,6 +72,7 @@ func shade(mesh: GeometryInstance3D) -> void:
 
 ## Constants again, after the level, a light or the filter changed.
 func refresh() -> void:
+	_is_stale = false
 	if not _root:
 		return
 	var constants := PackedInt32Array()
@@ -107,7 +109,9 @@ func _shaded(material: Material) -> Material:
 		return material
 	if not _converted.has(material):
 		_converted[material] = Materials.convert(material if material else StandardMaterial3D.new(), lights.size())
-		refresh.call_deferred()
+		if not _is_stale:
+			_is_stale = true
+			refresh.call_deferred()
 	return _converted[material] if _converted[material] else material
 
 
