@@ -12,10 +12,12 @@ import { fileURLToPath, pathToFileURL } from 'node:url';
 import { launch, noBrowser, openPage, run, serve } from './browser.mjs';
 import { pillars } from './small_scene.mjs';
 
-const VXS = process.env.VXS ?? new URL('../../build/release/vxs', import.meta.url).pathname;
-const PACKAGE = process.env.VXS_PACKAGE ?? new URL('../../build/web/vxs', import.meta.url).pathname, TEMPLATE = path.join(PACKAGE, '../view.html');
-const skip = noBrowser || (!fs.existsSync(VXS) && `no command at ${VXS}: make`) || (!fs.existsSync(TEMPLATE) && `no ${TEMPLATE}: make web`);
-const LEVELS = fileURLToPath(new URL('levels', import.meta.url)), NAMES = ['sun', 'spot', 'lamp'];
+const fileOf = (name) => fileURLToPath(new URL(name, import.meta.url));
+const VXS = process.env.VXS ?? fileOf('../../build/release/vxs'), PACKAGE = process.env.VXS_PACKAGE ?? fileOf('../../build/web/vxs');
+const TEMPLATE = path.join(PACKAGE, '../view.html');
+const missing = [[VXS, 'make'], [TEMPLATE, 'make web']].find(([file]) => !fs.existsSync(file));
+const skip = noBrowser || (missing && `no ${missing[0]}: ${missing[1]}`);
+const NAMES = ['sun', 'spot', 'lamp'];
 const GIVEN = { view: { eye: [0, 14, 7], target: [0, 0, 0], fov: 60 }, size: [160, 120], light: 'sun', libraries: '/lib/three/examples/jsm/libs' };
 let folder, server, browser, page, plain;
 
@@ -23,10 +25,11 @@ const level = (name) => ({ glb: `/files/${name}.glb`, vxs: `/files/${name}.vxs` 
 before(async () => {
   if (skip) return;
   folder = fs.mkdtempSync(path.join(os.tmpdir(), 'vxs-compressed-'));
-  fs.cpSync(LEVELS, folder, { recursive: true });
+  fs.cpSync(fileOf('levels'), folder, { recursive: true });
   fs.writeFileSync(path.join(folder, 'plain.glb'), pillars());
   const vxs = (...args) => execFileSync(VXS, args, { cwd: folder, stdio: ['ignore', 'pipe', 'inherit'] });
-  for (const name of ['plain', 'draco', 'meshopt', 'ktx2']) vxs('bake', `${name}.glb`, '-o', `${name}.vxs`, '--resolution', '512', '--quiet');
+  for (const name of ['plain', 'draco', 'meshopt', 'ktx2'])
+    vxs('bake', `${name}.glb`, '-o', `${name}.vxs`, '--resolution', '512', '--quiet');
   for (const name of ['draco', 'meshopt', 'ktx2']) vxs('view', `${name}.glb`, `${name}.vxs`, '-o', `${name}.html`, '--page', TEMPLATE);
   [server, browser] = [await serve(folder), await launch()];
   page = await openPage(browser, server);
@@ -74,7 +77,8 @@ for (const name of ['draco', 'meshopt', 'ktx2']) {
           if (object.isMesh) triangles += object.geometry.index.count / 3;
           image ??= object.material?.map ?? null;
         });
-        return { triangles, size, lights: stage.lights.map(({ baked }) => baked?.name), image: image && [image.image.width, image.image.height] };
+        const lights = stage.lights.map(({ baked }) => baked?.name);
+        return { triangles, size, lights, image: image && [image.image.width, image.image.height] };
       });
       assert.deepEqual(got.lights.sort(), [...NAMES].sort());
       assert.equal(got.triangles, 60);

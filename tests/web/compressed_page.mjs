@@ -10,7 +10,8 @@ import { floats, loadShadows, newCamera, newRenderer } from './three_page.mjs';
 /** Share of the light of `light` at each pixel, -1 where there is none; and colours of the picture in all of its lights, [3 * pixels]. */
 export async function drawn({ glb, vxs, view, size, light, libraries }) {
   const renderer = newRenderer(size), shadows = await loadShadows(vxs), camera = newCamera(view, size);
-  const draco = new DRACOLoader().setDecoderPath(`${libraries}/draco/gltf/`), basis = new KTX2Loader().setTranscoderPath(`${libraries}/basis/`).detectSupport(renderer);
+  const draco = new DRACOLoader().setDecoderPath(`${libraries}/draco/gltf/`);
+  const basis = new KTX2Loader().setTranscoderPath(`${libraries}/basis/`).detectSupport(renderer);
   const gltf = await new GLTFLoader().setDRACOLoader(draco).setKTX2Loader(basis).setMeshoptDecoder(MeshoptDecoder).loadAsync(glb);
   draco.dispose();
   basis.dispose();

@@ -74,8 +74,7 @@ async function whiteScene({ glb, vxs, view, size, light, backend, type, options 
 export async function litPixels({ attach, ...what }) {
   const { renderer, gltf, shadows, draw } = await whiteScene(what), bare = await draw();
   shadows.attach(gltf, { renderer, ...attach });
-  const lit = await draw(), calls = renderer.info.render.frameCalls;
-  return { lit: Array.from(lit, (x, n) => (bare[n] > 1e-4 ? x / bare[n] : NaN)), calls };
+  return Array.from(await draw(), (x, n) => (bare[n] > 1e-4 ? x / bare[n] : NaN));
 }
 
 /** Sums of pictures of attach() and setFilter() one behind the other. */
