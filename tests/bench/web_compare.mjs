@@ -111,11 +111,11 @@ function errorsOf(lit, truth) {
   return { mean_error: all / pixels, wrong: wrong / pixels };
 }
 
-/** Run a function of the page module in a page of its own. */
-async function inPage(what, given) {
-  const page = await openPage(browser, server);
+/** Run a function of a page module in a page of its own. */
+async function inPage(what, given, module = PAGE, kind = {}) {
+  const page = await openPage(browser, server, kind);
   try {
-    return await run(page, PAGE, what, given);
+    return await run(page, module, what, given);
   } finally {
     await page.close();
     if (page.faults.length) console.log(`${what}: ${page.faults.join('; ')}`);
@@ -246,22 +246,24 @@ async function compareFog() {
       const t = (metresOf(n) * (k + 0.5)) / RAYS;
       lines.push([0, 1, 2].map((axis) => view.eye[axis] + t * rays[4 * n + axis]).join(' '));
     }
+  const metres = Array.from({ length: size[0] * size[1] }, (_, n) => metresOf(n));
+  const nodes = await inPage('fogNodes', { ...stage, sigma, far, times: 9, metres }, '/bench/web_compare_nodes.mjs', { webgpu: true });
   const answers = [], PART = 1_000_000;
   for (let n = 0; n < lines.length; n += PART) for (const lit of truthOf(['city.glb', ...scene.light], lines.slice(n, n + PART))) answers.push(Number(lit));
-  const truth = Array.from({ length: size[0] * size[1] }, (_, n) => {
+  const shares = (extinction) => metres.map((_, n) => {
     let lit = 0, all = 0;
     for (let k = 0; k < RAYS; k++) {
-      const weight = Math.exp((-sigma * metresOf(n) * (k + 0.5)) / RAYS);
+      const weight = Math.exp((-extinction * metres[n] * (k + 0.5)) / RAYS);
       lit += weight * answers[RAYS * n + k];
       all += weight;
     }
     return lit / all;
-  });
+  }), truth = shares(sigma), even = shares(0); // GodraysNode dims no light on its way to the eye
   const ways = [], grey = (values) => Uint8Array.from(values, (x) => Math.round(255 * Math.min(Math.max(x, 0), 1)));
-  for (const [way, text] of Object.entries(fog.lit)) {
-    const got = decode(text, Float32Array), off = Array.from(got, (x, n) => Math.abs(x - truth[n]));
+  for (const [way, text] of [...Object.entries(fog.lit), ...Object.entries(nodes.lit)]) {
+    const wanted = way.includes('GodraysNode') ? even : truth, got = decode(text, Float32Array), off = Array.from(got, (x, n) => Math.abs(x - wanted[n]));
     ways.push({
-      way, mean_error: sum(off) / off.length, largest_error: Math.max(...off), time: fog.ratio[way],
+      way, mean_error: sum(off) / off.length, largest_error: Math.max(...off), time: fog.ratio[way] ?? nodes.ratio[way],
       picture: await save(`fog-${slug(way)}.png`, grey(got), size),
     });
     console.log('fog', JSON.stringify(ways.at(-1)));

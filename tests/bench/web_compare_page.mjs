@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 import * as THREE from 'three';
 import { FogPass } from 'vxs/three';
+import { fit } from './web_compare_fit.mjs';
 import { floats, loadScene, loadShadows, newCamera, newRenderer } from '/tests/three_page.mjs';
 
 const base64 = (array) => {
@@ -43,22 +44,6 @@ async function stage({ glb, sun, view, size }) {
   scene.add(s.sun, s.sun.target);
   scene.updateMatrixWorld();
   return s;
-}
-
-// The shadow camera of the sun around all casters; returns metres a texel.
-function fit({ sun, scene }, side) {
-  const { camera } = sun.shadow, box = new THREE.Box3(), corner = new THREE.Vector3();
-  sun.shadow.mapSize.set(side, side);
-  sun.shadow.updateMatrices(sun);
-  scene.traverse((object) => {
-    if (!object.isMesh) return;
-    const toLight = new THREE.Matrix4().multiplyMatrices(camera.matrixWorldInverse, object.matrixWorld), at = object.geometry.attributes.position;
-    for (let n = 0; n < at.count; n++) box.expandByPoint(corner.fromBufferAttribute(at, n).applyMatrix4(toLight));
-  });
-  const { min, max } = box, margin = 0.01 * (max.x - min.x);
-  Object.assign(camera, { left: min.x - margin, right: max.x + margin, bottom: min.y - margin, top: max.y + margin, near: -max.z - margin, far: -min.z + margin });
-  camera.updateProjectionMatrix();
-  return Math.max(camera.right - camera.left, camera.top - camera.bottom) / side;
 }
 
 const bytesOfTexel = (texture) => (texture.format === THREE.RedFormat || texture.type === THREE.UnsignedShortType ? texture.type === THREE.UnsignedByteType ? 1 : 2 : 4);

@@ -23,7 +23,8 @@ ${table(['way', 'error', ...COSTS, 'light'], s.ways.map((w) => [w.way, percent(w
 
 const fog = (s) => `<h2>God rays in a street of the city</h2>
 <p>The share of each eye ray's airlight that the sun lights: by marching over a live map of 2048 x 2048, and by the lit
-intervals in the file (FogPass), against 256 rays from each eye ray. Time is that of a frame by that of 128 steps, in one run of
+intervals in the file (FogPass), against 256 rays from each eye ray. GodraysNode of three.js, without its blur, and FogNode are drawn by
+WebGPURenderer; GodraysNode dims no light on its way to the eye, and so does its truth. Time is that of a frame by that of 128 steps, in one run of
 a software renderer: it says nothing about graphics cards. Truth: ${image(s.truth)}
 ${table(['way', 'mean error', 'largest error', 'time', 'light'], s.ways.map((w) => (
     [w.way, percent(w.mean_error), percent(w.largest_error), w.time.toPrecision(2), image(w.picture)])))}`;
