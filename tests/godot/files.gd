@@ -5,6 +5,12 @@ extends Node3D
 
 const Level = preload("res://addons/vxs/vxs_level.gd")
 const File = preload("res://addons/vxs/vxs_file.gd")
+const OWN = """shader_type spatial;
+#define VXS_LIGHTS 2
+#include "res://addons/vxs/vxs.gdshaderinc"
+void fragment() { VXS_LOOK_UP(VERTEX, INV_VIEW_MATRIX) ALBEDO = vec3(0.5); }
+void light() { float lit = ATTENUATION; VXS_SHADE(lit, LIGHT, LIGHT_IS_DIRECTIONAL, INV_VIEW_MATRIX) DIFFUSE_LIGHT += lit * LIGHT_COLOR; }
+"""
 
 
 func _ready() -> void:
@@ -23,7 +29,7 @@ func _ready() -> void:
 	var text := FileAccess.get_file_as_string("res://addons/vxs/dock.gd")
 	dock.source_code = text.replace("EditorInterface.get_resource_filesystem().scan()", "pass")
 	print("VXS dock = %s" % (dock.reload() == OK and dock.new().find_children("*", "Button", true, false).size() == 1))
-	_pair(Level.open("res://room"))
+	await _pair(Level.open("res://room"))
 	var whole := FileAccess.get_file_as_bytes("res://" + cases.damaged)
 	var refused := 0
 	for n in int(cases.times):
@@ -48,10 +54,19 @@ func _pair(room: Level) -> void:
 		root.add_child(entry[0])
 		entry[0].name = entry[1]
 		entry[0].position = Vector3(entry[2].x, entry[2].y, entry[2].z)
+	var ball := MeshInstance3D.new()
+	ball.mesh = SphereMesh.new()
+	var own := ShaderMaterial.new()
+	own.shader = Shader.new()
+	own.shader.code = OWN
+	ball.mesh.material = own
+	root.add_child(ball)
 	var shadows := VxsShadows.new()
 	add_child(shadows)
 	shadows.attach(root, room)
 	for n in shadows.lights.size():
 		print("VXS pair.%d = %s %s" % [n, shadows.lights[n].name, room.names[shadows.numbers[n]]])
+	print("VXS own = %s" % (ball.get_active_material(0) == own and own.get_shader_parameter("vxs_words") == room.words))
+	await RenderingServer.frame_post_draw
 	root.scale = Vector3.ONE * 2
 	print("VXS scaled = %s" % shadows.attach(root, room))

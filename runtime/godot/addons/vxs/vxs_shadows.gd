@@ -105,10 +105,11 @@ func detach() -> void:
 
 
 func _shaded(material: Material) -> Material:
-	if material and not material is BaseMaterial3D:
+	var is_ready: bool = material is ShaderMaterial and material.shader and "vxs.gdshaderinc" in material.shader.code
+	if material and not material is BaseMaterial3D and not is_ready:
 		return material
 	if not _converted.has(material):
-		_converted[material] = Materials.convert(material if material else StandardMaterial3D.new(), lights.size())
+		_converted[material] = material if is_ready else Materials.convert(material if material else StandardMaterial3D.new(), lights.size())
 		if not _is_stale:
 			_is_stale = true
 			refresh.call_deferred()
