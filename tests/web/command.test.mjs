@@ -175,7 +175,7 @@ test('threads share the work', { skip: !fs.existsSync('/proc/self/task') && 'the
 test('a fine map, whose texels 32 bits cannot count', { skip: !EVERY && 'VXS_TEST_REPEATS is not all' }, () =>
   both(bake(city, '--resolution', '131072'), { files: [city] }));
 
-test('plan, info, validate, query, merge and view say the same', async () => {
+test('plan, info, validate, query, export, merge and view say the same', async () => {
   const files = [city, asset];
   await both(['plan', 'city.glb'], { files });
   await both(['info', 'city.vxs'], { files });
@@ -183,6 +183,8 @@ test('plan, info, validate, query, merge and view say the same', async () => {
   await both(['validate', 'city.vxs'], { files });
   await both(['query', 'city.vxs', '--filter', '3'], { files, input: '0 1 0\n10 5 3\nnonsense\n' });
   await both(['query', 'city.vxs'], { files, input: Array.from({ length: 3000 }, (_, i) => `${i % 97} ${i % 13} ${i % 89}\n`).join('') });
+  const exported = await both(['export', 'city.vxs', '-o', 'folder', '--depth', '256', '--format', 'raw', '--axes', 'unreal'], { files });
+  assert.equal(Object.keys(exported.files).length, 4);
   const parts = [at('1.part'), at('2.part')];
   for (const [n, part] of parts.entries()) {
     const done = await run('web', ['bake', city, '-o', part, '--part', `${n + 1}/2`, '--resolution', '1024', '--quiet']);
