@@ -23,7 +23,7 @@ class RemoteFile {
 
   constructor(url, fetch, timeout) {
     this.#url = String(url);
-    this.#fetch = fetch;
+    this.#fetch = (...request) => fetch(...request); // browsers refuse to call it as a method
     this.#timeout = timeout;
     this.closed = false;
     this.size = 0;      // bytes; 0: not known yet
