@@ -210,3 +210,10 @@ inBrowser('fog has the airlight of the lit intervals', async (page) => {
     else assert.ok(got.wrong <= 3, text); // rays along an edge
   }
 }, { releases: SOME });
+
+inBrowser('a stream has the shadows of the whole file when its pages are there', async (page) => {
+  for (const [scene, light] of [['city', 'sun'], ['room', 'lamp']]) {
+    const got = await run(page, PAGE, 'streamed', { ...files(scene), light }), text = `${scene}: ${JSON.stringify(got)}`;
+    assert.ok(got.before > 0.05 && got.after === 0 && got.missing === 0 && got.appeared > 0, text);
+  }
+});

@@ -108,6 +108,31 @@ export async function compared({ pass, limits = [0.01, 0.1, 0.5], ...what }) {
   return { pixels, mean: sum / pixels, beyond: beyond.map((count) => count / pixels), ...more };
 }
 
+/** A level by ranges: pictures of the whole file, of a stream before and after its pages came, and what its frames did. */
+export async function streamed({ glb, vxs, view, size, light }) {
+  const gltf = await loadScene(glb), camera = newCamera(view, size), renderer = newRenderer(size), whole = await loadShadows(vxs);
+  whiten(gltf.scene);
+  gltf.scene.traverse((object) => { if (object.isLight && object.name !== light) object.visible = false; });
+  const picture = () => floats(renderer, gltf.scene, camera);
+  whole.attach(gltf);
+  const wanted = picture();
+  whole.dispose();
+  const shadows = await new VXSLoader().streamAsync(vxs, { budgetBytes: 64 << 20 }), begin = performance.now();
+  shadows.attach(gltf);
+  const before = picture();
+  let frames = 0, appeared = 0, status;
+  do {
+    status = shadows.frame([{ position: [0, 0, 0], radius: 1000 }]);
+    appeared += status.appeared;
+    frames++;
+    picture(); // uploads what came
+    await new Promise((resolve) => { setTimeout(resolve, 5); });
+  } while ((status.pagesMissing || frames < 3) && performance.now() - begin < 60000);
+  const after = picture();
+  shadows.dispose();
+  return { frames, appeared, missing: status.pagesMissing, before: differ(before, wanted, 1e-3), after: differ(after, wanted, 1e-6) };
+}
+
 const differ = (a, b, limit) => a.reduce((count, x, n) => count + (Math.abs(x - b[n]) > limit ? 1 : 0), 0) / a.length;
 
 /** The scene far from the origin: the share of pixels that differ from the scene where it was baked. */

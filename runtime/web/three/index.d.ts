@@ -2,7 +2,7 @@
 import type {
   Camera, Color, ColorRepresentation, DataTexture, DepthTexture, Light, Loader, LoadingManager, Object3D, Texture, Vector3, WebGLRenderer, WebGLRenderTarget,
 } from 'three';
-import type { Asset, Light as BakedLight, Runtime } from 'vxs';
+import type { Asset, Focus, Light as BakedLight, Runtime, Stream, StreamOptions, StreamStatus } from 'vxs';
 
 export { VXSError } from 'vxs';
 
@@ -63,6 +63,13 @@ export class BakedShadows {
   dispose(): void;
 }
 
+/** Shadows of a file that is read by ranges, with the way 'lookup'. */
+export interface StreamedShadows extends Omit<BakedShadows, 'asset'> {
+  readonly asset: Stream;
+  /** As frame() of a stream, once a frame. The next rendering uploads what came; all words, with WebGPURenderer or three.js r170. */
+  frame(foci?: Focus | readonly Focus[]): StreamStatus;
+}
+
 /** A light that a baked one describes, at its place: for Match.baked, of a bake with --sun. intensity: lux 3, candela 100 by default. */
 export function lightOf(baked: BakedLight, color?: ColorRepresentation, intensity?: number): Light;
 
@@ -115,6 +122,8 @@ export class VXSLoader<Shadows = BakedShadows> extends Loader<Shadows> {
   setRuntime(runtime: Runtime | Promise<Runtime>): this;
   parse(bytes: Uint8Array | ArrayBuffer, onLoad: (shadows: Shadows) => void, onError?: (error: unknown) => void): void;
   parseAsync(bytes: Uint8Array | ArrayBuffer): Promise<Shadows>;
+  /** As stream() of 'vxs'. */
+  streamAsync(url: string | URL, options: StreamOptions): Promise<StreamedShadows>;
 }
 
 /**

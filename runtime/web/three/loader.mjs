@@ -3,7 +3,7 @@
 import { Box3, FileLoader, Loader, Matrix4, Vector3 } from 'three';
 import { VXSError, load } from 'vxs';
 import { matchLights } from './names.mjs';
-import { filterOf, fromRootMatrix, tablesTexture, wordsTexture } from './words.mjs';
+import { filterOf, fromRootMatrix, streamTexture, tablesTexture, wordsTexture } from './words.mjs';
 
 const MOST_LEVELS = 14; // of lights with tables, which take 2 s to make at 14
 let standard; // the runtime that all loaders share, loaded at the first use
@@ -40,6 +40,12 @@ export class ShadowLoader extends Loader {
     const runtime = await (this.#runtime ?? (standard ??= load()));
     return new BakedShadows(runtime.open(bytes), this.constructor.ways);
   }
+
+  /** Shadows of a file that is read by ranges, as StreamedShadows. options: those of stream() of 'vxs'. */
+  async streamAsync(url, options) {
+    const runtime = await (this.#runtime ?? (standard ??= load()));
+    return new StreamedShadows(await runtime.stream(url, options), { lookup: this.constructor.ways.lookup });
+  }
 }
 
 const meshesOf = (root, act) => root.traverse((object) => object.isMesh && act(object));
@@ -63,7 +69,8 @@ export class BakedShadows {
   get lights() { return this.asset.lights; }
 
   /** The words of all lights as a texture, which the passes of this file share: { texture, wide, first }. */
-  get words() { return (this.#words ??= wordsTexture(this.lights)); }
+  get words() { return (this.#words ??= this.newWords()); }
+  newWords() { return wordsTexture(this.lights); }
 
   /** Tables of a light, as `words`, made at the first use; null: it has none. */
   tables(baked) {
@@ -165,5 +172,22 @@ export class BakedShadows {
     this.#tables.forEach(({ texture }) => texture.dispose());
     this.#tables.clear();
     this.asset.dispose();
+  }
+}
+
+/** Shadows whose words come while they are shown: call frame() each frame. */
+export class StreamedShadows extends BakedShadows {
+  newWords() {
+    this.asset.changes(); // the texture begins with all that is there
+    return streamTexture(this.asset);
+  }
+
+  tables() { return null; } // they are made of whole lights
+
+  /** As frame() of a stream. */
+  frame(foci) {
+    const status = this.asset.frame(foci);
+    this.words.update(this.asset.changes());
+    return status;
   }
 }

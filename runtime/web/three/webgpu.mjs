@@ -83,6 +83,6 @@ export class VXSShadowsPlugin extends Plugin {
   static Loader = VXSLoader;
 }
 export { FogNode } from './webgpu_fog.mjs';
-export { BakedShadows } from './loader.mjs';
+export { BakedShadows, StreamedShadows } from './loader.mjs';
 export { lightOf } from './names.mjs';
 export { VXSError } from 'vxs';

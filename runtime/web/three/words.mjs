@@ -25,16 +25,43 @@ export function integerTexture(data, width, height, channels) {
  */
 function textureOf(bakedLights, wordsOf) {
   const words = bakedLights.map(wordsOf), first = new Map();
-  let count = 0, wide = 2048;
+  let count = 0;
   bakedLights.forEach((light, n) => {
     first.set(light, count);
     count += words[n].length;
   });
+  const { data, ...made } = emptyTexture(count);
+  bakedLights.forEach((light, n) => data.set(words[n], first.get(light)));
+  return { ...made, first };
+}
+
+function emptyTexture(count) {
+  let wide = 2048;
   while (count + PADDING > wide * wide && wide < 16384) wide *= 2;
   if (count + PADDING > wide * wide) throw new VXSError('memory', `${count} words do not fit into a texture`);
   const data = new Uint32Array(wide * Math.ceil((count + PADDING) / wide));
-  bakedLights.forEach((light, n) => data.set(words[n], first.get(light)));
-  return { texture: integerTexture(data, wide, data.length / wide, 1), wide, first };
+  return { texture: integerTexture(data, wide, data.length / wide, 1), wide, data };
+}
+
+/** The words of a stream, as far as they are there. update(changes) writes more. */
+export function streamTexture(stream) {
+  const { texture, wide, data } = emptyTexture(stream.wordCount);
+  let uploaded = false; // three.js uploads ranges alone, also into a texture that is new
+  data.set(stream.words());
+  texture.onUpdate = () => {
+    uploaded = true;
+    texture.clearUpdateRanges?.();
+  };
+  const update = (changes) => changes.forEach(({ firstWord, words }) => {
+    data.set(words, firstWord);
+    texture.needsUpdate = true;
+    const end = firstWord + words.length; // a range lies in one row, and is counted as if texels had four channels
+    for (let at = firstWord, next; uploaded && at < end; at = next) {
+      next = Math.min(end, (Math.floor(at / wide) + 1) * wide);
+      texture.addUpdateRange?.(4 * at, 4 * (next - at));
+    }
+  });
+  return { texture, wide, first: new Map(stream.lights.map((light) => [light, light.firstWord])), update };
 }
 
 export const wordsTexture = (bakedLights) => textureOf(bakedLights, (light) => light.words());
