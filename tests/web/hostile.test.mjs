@@ -64,6 +64,7 @@ test('changed files: each prefix, flipped bit and overwritten word gives what C 
       if (n % 4 === 0) bytes[at % good.length] ^= 1 << n % 8;
       if (n % 4 === 1) bytes.writeUInt32LE(Math.floor(random() * 2 ** 32), Math.min(at, good.length - 4));
       if (n % 4 === 2) bytes.writeUInt32LE(0xffffffff, Math.min(at, good.length - 4));
+      if (n % 4 !== 3 && bytes.equals(good)) continue; // the word was there already
       const file = path.join(folder, `${name}_${n}`);
       fs.writeFileSync(file, n % 4 === 3 ? bytes.subarray(0, at) : bytes);
       files.push(file);
