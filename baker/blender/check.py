@@ -7,111 +7,80 @@ import math
 import os
 import tempfile
 import time
-from collections import Counter
 from typing import Any, Iterator
 
 import bpy
 import numpy as np
 from bpy.props import IntProperty
-from bpy.types import Context, Event, Operator
-from mathutils import Vector
+from bpy.types import Context, Event, Material, Operator
+from mathutils.bvhtree import BVHTree
 
 from . import overlay
 from .bake import BakeFailed
 from .command import VxsMissing
-from .preview import OUTSIDE, Baked, gather, preview
+from .level import Surface
+from .materials import Appearance
+from .preview import OUTSIDE, Baked, gather, preview, to_gltf, towards
 
-RIGHT, NEAR, FAR, INSIDE = range(4)  # answers; NEAR and FAR are wrong
-COLOURS = {NEAR: (1.0, 0.8, 0.1), FAR: (1.0, 0.05, 0.05)}
-RADII = (0.25, 0.5, 0.75, 1.0, 1.25, 1.5)  # texels, of places where an edge of shadow is looked for
-TURNS = 12
-DEPTHS = 4  # voxels off a surface, towards the light: what the bias of a lookup may take
-STEPS = 200  # surfaces that a ray may pass
+COLOURS = {"NEAR": (1.0, 0.8, 0.1), "FAR": (1.0, 0.05, 0.05)}  # of what differs
+REACH = 1.5  # texels, from a point to where edges of shadow are looked for
 PIECE = 300  # points between two looks at the clock
 
 
 class Truth:
-    """Answers of scene.ray_cast through what casts. Where a ray meets a surface with holes, `vxs truth` answers in its place."""
+    """Answers of Blender's rays through what casts. Where a ray meets a surface with holes, `vxs truth` answers in its place."""
 
     def __init__(self, context: Context, baked: Baked, folder: str) -> None:
-        self.context, self.baked, self.path = context, baked, os.path.join(folder, "level.glb")
+        self.baked, self.path = baked, os.path.join(folder, "level.glb")
         gatherer, writer = gather(context, False, self.path)
         writer.write(context.scene)
-        self.numbers = {name: n for n, name in enumerate(writer.level.lights)}
         self.matrices = {node["name"]: np.array(node["matrix"]).reshape(4, 4) for node in writer.glb.json["nodes"] if "extensions" in node}
-        self.closed = overlay.seen(gatherer)[1]
-        places = [place for place in gatherer.places if place.surface]
-        self.casts = {self.key(place.key[1], place.matrix) for place in places}
-        self.holes = {place.key[1] for place in places for m in place.surface.materials if m and not gatherer.looks[m].value.keys().isdisjoint(
-            ("alphaMode", "extras", "extensions"))}
+        self.numbers = {name: n for n, name in enumerate(writer.level.lights)}
+        surfaces, parts, closed = zip(*overlay.surfaces(gatherer))
+        kinds = [math.nan if self.has_holes(surface, gatherer.looks) else OUTSIDE if whole else 0.0 for surface, whole in zip(surfaces, closed)]
+        self.kinds = np.repeat(kinds, [len(part) for part in parts])  # of each triangle, what ray() answers from behind
+        triangles = np.concatenate(parts)
+        self.tree = BVHTree.FromPolygons(triangles.reshape(-1, 3).tolist(), np.arange(triangles.size // 3).reshape(-1, 3).tolist(),
+                                         all_triangles=True)
 
-    def key(self, name: str, matrix: Any) -> tuple[str, tuple[float, ...]]:
-        return name, tuple(round(v, 3) for v in matrix)
+    def has_holes(self, surface: Surface, looks: dict[Material, Appearance]) -> bool:
+        return any(m and not {"alphaMode", "extras", "extensions"}.isdisjoint(looks[m].value) for m in surface.materials)
 
-    def hits(self, start: Vector, way: Vector, far: float) -> Iterator[tuple[str, tuple[float, ...]]]:
-        """What casts and lies on a ray, in its order."""
-        step = 1e-5 * max(1.0, start.length)
-        for _ in range(STEPS):
-            found, at, _, _, thing, matrix = self.context.scene.ray_cast(self.depsgraph, start, way, distance=min(far, 1e30))
-            if not found:
-                return
-            key = self.key(thing.name, [v for column in matrix.col for v in column])
-            if key in self.casts:
-                yield key
-            far -= (at - start).length + step
-            start = at + way * step
-
-    def towards(self, points: np.ndarray, light: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:
-        """Unit vectors to a light where it is now, and how far it is."""
+    def now(self, light: dict[str, Any]) -> dict[str, Any]:
+        """A light of the file, where it is in the scene."""
         matrix = self.matrices.get(light["name"])
         if matrix is None:
             raise BakeFailed(f"The light '{light['name']}' of the file is not in the scene")
-        if light["kind"] == "directional":
-            return np.tile(matrix[2, :3] / np.linalg.norm(matrix[2, :3]), (len(points), 1)), np.full(len(points), math.inf)
-        way = matrix[3, :3] - points
-        far = np.linalg.norm(way, axis=1)
-        return way / far[:, None], far
+        back, place = to_gltf(matrix[2:, :3])
+        return light | {"direction": -back / np.linalg.norm(back), "position_m": place}
 
-    def lit(self, points: np.ndarray, light: dict[str, Any]) -> np.ndarray:
-        """[points] 1 or 0."""
-        self.depsgraph = self.context.evaluated_depsgraph_get()  # what was changed meanwhile counts
-        answers = np.ones(len(points))
-        for n, (start, way, far) in enumerate(zip(points.tolist(), *(part.tolist() for part in self.towards(points, light)))):
-            hit = next(self.hits(Vector(start), Vector(way), far), None)
-            answers[n] = 1.0 if not hit else math.nan if hit[0] in self.holes else 0.0
+    def ray(self, start: np.ndarray, way: np.ndarray, far: float) -> float:
+        """1 or 0; OUTSIDE where it leaves a solid, in which nothing is looked up; nan where it meets a surface with holes."""
+        _, normal, index, _ = self.tree.ray_cast(start, way, far)
+        if index is None:
+            return 1.0
+        return self.kinds[index] if math.isnan(self.kinds[index]) or normal.dot(way) > 0.0 else 0.0
+
+    def lit(self, points: np.ndarray, normals: np.ndarray, light: dict[str, Any]) -> np.ndarray:
+        """[points] 1 or 0; OUTSIDE where they face away from the light, which is dark whatever the file says, or are in a solid."""
+        ways, far = towards(self.now(light), points)
+        answers = np.full(len(points), OUTSIDE)
+        for n in np.flatnonzero((ways * normals).sum(1) >= 0.0).tolist():
+            answers[n] = self.ray(points[n], ways[n], 1e30 if far is None else far[n])
         unknown = np.isnan(answers)
         if unknown.any():
-            number = self.numbers[light["name"]]
-            answers[unknown] = self.baked.ask("truth", self.path, points=points[unknown], numbers=[number])[:, 0] != 0.0
+            asked = self.baked.ask("truth", self.path, points=points[unknown], numbers=[self.numbers[light["name"]]])
+            answers[unknown] = asked[:, 0] != 0.0
         return answers
 
-    def is_inside(self, point: np.ndarray) -> bool:
-        """Whether a point lies in a solid: a ray leaves it more often than it enters."""
-        met = Counter(self.hits(Vector(point), Vector((0.267, 0.534, 0.802)).normalized(), math.inf))
-        return any(count % 2 and self.closed[name] for (name, _), count in met.items())
 
-    def reasons(self, points: np.ndarray, normals: np.ndarray, given: np.ndarray, light: dict[str, Any]) -> np.ndarray:
-        """Of wrong answers: NEAR where a place within 1.5 texels of light space has the given answer, INSIDE of solids, else FAR."""
-        way, far = self.towards(points, light)
-        scale = np.where(np.isinf(far), 1.0, far)[:, None]
-        slope = (way * normals).sum(1, keepdims=True)
-        beside = np.cross(way, np.where(abs(way[:, :1]) < 0.9, (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)))
-        beside /= np.linalg.norm(beside, axis=1, keepdims=True)
-        other, deep = np.cross(way, beside), np.sign(slope) * way * scale * light["voxel_m"]
-        why = np.full(len(points), FAR)
-        for radius in (0.0, *RADII):
-            left = np.flatnonzero(why == FAR)
-            tries = []
-            for turn in np.arange(TURNS if radius else 1) * (2 * math.pi / TURNS):
-                step = (math.cos(turn) * beside + math.sin(turn) * other) * radius * light["texel_m"] * scale
-                on_plane = step - way * np.where(abs(slope) > 0.02, (step * normals).sum(1, keepdims=True) / slope, 0.0)
-                tries += [(rows, (points + on_plane + depth * deep)[rows]) for depth in range(DEPTHS)
-                          for rows in [left if depth == 0 else left[given[left] == 1.0]]]
-            rows, places = (np.concatenate(parts) for parts in zip(*tries))
-            why[rows[self.lit(places, light) == given[rows]]] = NEAR
-            if radius == 0.0:
-                why[[n for n, place in zip(rows, places) if given[n] == 1.0 and self.is_inside(place)]] = INSIDE
-        return why
+def at_edges(baked: Baked, places: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """[points, lights]: whether the file has an edge of a shadow within about two texels on the surface."""
+    reach = REACH * baked.width(places)[:, None]
+    around = [baked.lit(places, normals, 3)]
+    for axis in (*np.eye(3), *-np.eye(3)):
+        around.append(baked.lit(places + reach * (axis - (normals @ axis)[:, None] * normals), normals, 3))
+    return (np.max(around, 0) > 0.0) & (np.min(around, 0) < 1.0)
 
 
 def compare(context: Context, baked: Baked, folder: str, limit: int) -> Iterator[float]:
@@ -128,34 +97,29 @@ def compare(context: Context, baked: Baked, folder: str, limit: int) -> Iterator
     places = centres.reshape(-1, 3)[rows] - hair * normals
     truth = Truth(context, baked, folder)
     given = baked.lit(places, normals)
-    why = np.zeros(given.shape, int)
+    right = np.empty_like(given)
     for n, light in enumerate(baked.lights):
-        away = (truth.towards(places, light)[0] * normals).sum(1) < 0.0
-        given[away, n] = OUTSIDE  # dark, whatever the file says
         for begin in range(0, len(rows), PIECE):
-            part = begin + np.flatnonzero(given[begin:begin + PIECE, n] != OUTSIDE)
-            starts = places[part] + 0.1 * hair * normals[part]
-            wrong = truth.lit(starts, light) != given[part, n]
-            part, starts = part[wrong], starts[wrong]
-            why[part, n] = truth.reasons(starts, normals[part], given[part, n], light)
+            part = slice(begin, begin + PIECE)
+            right[part, n] = truth.lit(places[part] + 0.1 * hair * normals[part], normals[part], light)
             yield (n + min(1.0, (begin + PIECE) / len(rows))) / len(baked.lights)
-    compared = (given != OUTSIDE) & (why != INSIDE)
-    differs, weights = compared & (why != RIGHT), compared * areas[rows][:, None]
-    worst = np.where(differs, why, RIGHT).max(1)
+    compared = (given != OUTSIDE) & (right != OUTSIDE)
+    differs, weights = compared & (given != right), compared * areas[rows][:, None]
+    far = differs & ~at_edges(baked, places, normals)
     colours = colours.reshape(-1, 3, 4)[..., :3]
-    for kind, colour in COLOURS.items():
-        colours[rows[worst == kind]] = colour
+    colours[rows[differs.any(1)]] = COLOURS["NEAR"]
+    colours[rows[far.any(1)]] = COLOURS["FAR"]
     overlay.paint(shown.data, "error", colours.reshape(-1, 3))
     state = context.window_manager.vxs
-    state.checked, state.differ, state.differ_far = (int(x.sum()) for x in (compared, differs, differs & (why == FAR)))
+    state.checked, state.differ, state.differ_far = (int(x.sum()) for x in (compared, differs, far))
     state.check = (f"{state.checked} points: {(weights * differs).sum() / max(weights.sum(), 1e-30):.2%} of the surface differs from rays\n"
-                   f"{state.differ_far} points are farther than 1.5 texels from an edge of shadow")
+                   f"{state.differ_far} points are at no edge of a shadow")
 
 
 class VXS_OT_check_error(Operator):
     bl_idname = "vxs.check_error"
     bl_label = "Compare with Rays"
-    bl_description = "Compare the baked shadows with rays of Blender: yellow differs near an edge of shadow, red farther than 1.5 texels"
+    bl_description = "Compare the baked shadows with rays of Blender: yellow differs at an edge of shadow, red elsewhere"
 
     points: IntProperty(name="Points", default=20000, min=1, soft_max=500000)
 

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
-from typing import Callable
+from typing import Callable, Iterator
 
 import bpy
 import numpy as np
@@ -24,19 +24,23 @@ def is_closed(surface: Surface) -> bool:
     return bool((np.unique(pairs @ np.array((len(places), 1)), return_counts=True)[1] == 2).all())
 
 
-def seen(gatherer: Gatherer) -> tuple[np.ndarray, dict[str, bool]]:
-    """Triangles [count, 3, 3] in world space, of what is open from both sides; and which objects are closed."""
+def surfaces(gatherer: Gatherer) -> Iterator[tuple[Surface, np.ndarray, bool]]:
+    """Each instance of a surface: its triangles [count, 3, 3] in world space, and whether it is closed."""
     known: dict[int, bool] = {}
-    closed: dict[str, bool] = {}
-    parts = [np.empty((0, 3, 3))]
     for place in (p for p in gatherer.places if p.surface):
         surface, matrix = place.surface, np.array(place.matrix).reshape(4, 4)
-        whole = known[id(surface)] = known.get(id(surface)) if id(surface) in known else is_closed(surface)
-        closed[place.key[1]] = closed.get(place.key[1], True) and whole
+        if id(surface) not in known:
+            known[id(surface)] = is_closed(surface)
         part = (surface.points @ matrix[:3, :3] + matrix[3, :3])[surface.corners[surface.triangles]]
-        turned = part[:, ::-1]
-        parts += [turned if np.linalg.det(matrix) < 0 else part] if whole else [part, turned]
-    return np.concatenate(parts), closed
+        yield surface, part[:, ::-1] if np.linalg.det(matrix) < 0 else part, known[id(surface)]
+
+
+def seen(gatherer: Gatherer) -> np.ndarray:
+    """Triangles [count, 3, 3] in world space, of what is open from both sides."""
+    parts = [np.empty((0, 3, 3))]
+    for _, part, is_whole in surfaces(gatherer):
+        parts += [part] if is_whole else [part, part[:, ::-1]]
+    return np.concatenate(parts)
 
 
 def normals_of(triangles: np.ndarray) -> np.ndarray:

@@ -108,7 +108,7 @@ def preview(context: Context, baked: Baked, taps: int, limit: int) -> bpy.types.
     """Make the overlay anew."""
     overlay.clear()
     gatherer, writer = gather(context, True)
-    triangles, _ = overlay.seen(gatherer)
+    triangles = overlay.seen(gatherer)
     if not len(triangles):
         raise BakeFailed("There is no surface to show a shadow on")
     corners, lit, normals = overlay.dice(triangles, baked.width, lambda points, normals: baked.lit(points, normals, taps), limit)
