@@ -6,25 +6,24 @@ from __future__ import annotations
 import math
 import os
 import tempfile
-import time
 from typing import Any, Iterator
 
 import bpy
 import numpy as np
 from bpy.props import IntProperty
-from bpy.types import Context, Event, Material, Operator
+from bpy.types import Context, Material, Operator
 from mathutils.bvhtree import BVHTree
 
 from . import overlay
-from .bake import BakeFailed
-from .command import VxsMissing
+from .command import Failed
 from .level import Surface
 from .materials import Appearance
+from .operators import Work
 from .preview import OUTSIDE, Baked, gather, preview, to_gltf, towards
 
 COLOURS = {"NEAR": (1.0, 0.8, 0.1), "FAR": (1.0, 0.05, 0.05)}  # of what differs
 REACH = 1.5  # texels, from a point to where edges of shadow are looked for
-PIECE = 300  # points between two looks at the clock
+PIECE = 1000  # points between two looks at the clock
 
 
 class Truth:
@@ -50,7 +49,7 @@ class Truth:
         """A light of the file, where it is in the scene."""
         matrix = self.matrices.get(light["name"])
         if matrix is None:
-            raise BakeFailed(f"The light '{light['name']}' of the file is not in the scene")
+            raise Failed(f"The light '{light['name']}' of the file is not in the scene")
         back, place = to_gltf(matrix[2:, :3])
         return light | {"direction": -back / np.linalg.norm(back), "position_m": place}
 
@@ -116,86 +115,20 @@ def compare(context: Context, baked: Baked, folder: str, limit: int) -> Iterator
                    f"{state.differ_far} points are at no edge of a shadow")
 
 
-class VXS_OT_check_error(Operator):
+class VXS_OT_check_error(Work, Operator):
     bl_idname = "vxs.check_error"
     bl_label = "Compare with Rays"
     bl_description = "Compare the baked shadows with rays of Blender: yellow differs at an edge of shadow, red elsewhere"
 
     points: IntProperty(name="Points", default=20000, min=1, soft_max=500000)
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return not context.window_manager.vxs.is_running
-
-    def begin(self, context: Context) -> None:
-        self.folder = tempfile.TemporaryDirectory(prefix="vxs_", ignore_cleanup_errors=True)
-        shown = overlay.shown_in(context.scene)
-        self.state = context.window_manager.vxs
-        self.state.is_running, self.state.is_cancelled, self.state.doing, self.state.share = True, False, "comparing with rays", 0.0
-        self.work = self.steps(context, shown["vxs_light"] if shown else "")
-
-    def steps(self, context: Context, light: str) -> Iterator[float]:
-        yield from compare(context, Baked(context, light), self.folder.name, self.points)
-
-    def step(self, seconds: float) -> set[str]:
-        """Work for a while. RUNNING_MODAL, or what the operator returns."""
-        until = time.monotonic() + seconds
-        try:
-            while time.monotonic() < until:
-                if self.state.is_cancelled:
-                    raise BakeFailed("The comparison was cancelled")
-                self.state.share = next(self.work)
-            return {"RUNNING_MODAL"}
-        except StopIteration:
-            self.report({"INFO"}, self.state.check.replace("\n", "; "))
-            outcome = {"FINISHED"}
-        except (BakeFailed, VxsMissing, ReferenceError) as error:
-            self.report({"WARNING" if self.state.is_cancelled else "ERROR"}, str(error))
-            outcome = {"CANCELLED"}
-        except BaseException:
-            self.close()
-            raise
-        self.close()
-        return outcome
-
-    def close(self) -> None:
-        self.state.is_running = False
-        self.folder.cleanup()
-
-    def execute(self, context: Context) -> set[str]:
-        self.begin(context)
-        return self.step(math.inf)
-
-    def invoke(self, context: Context, _event: Event) -> set[str]:
-        if bpy.app.background or not context.window:
-            return self.execute(context)
-        self.begin(context)
-        self.timer = context.window_manager.event_timer_add(0.02, window=context.window)
-        context.window_manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
-
-    def modal(self, context: Context, event: Event) -> set[str]:
-        if event.type == "ESC":
-            self.state.is_cancelled = True
-        if event.type != "TIMER":
-            return {"PASS_THROUGH"}
-        outcome = self.step(0.05)
-        for area in context.screen.areas:
-            area.tag_redraw()
-        if outcome == {"RUNNING_MODAL"}:
-            return {"PASS_THROUGH"}
-        context.window_manager.event_timer_remove(self.timer)
-        return outcome
-
-    def cancel(self, context: Context) -> None:
-        """Blender quits, or opens another file."""
-        context.window_manager.event_timer_remove(self.timer)
-        self.close()
+    def work(self, context: Context) -> Iterator[float]:
+        state, shown = context.window_manager.vxs, overlay.shown_in(context.scene)
+        state.doing = "comparing with rays"
+        with tempfile.TemporaryDirectory(prefix="vxs_", ignore_cleanup_errors=True) as folder:
+            for state.share in compare(context, Baked(context, shown["vxs_light"] if shown else ""), folder, self.points):
+                yield 0.0
+        self.report({"INFO"}, state.check.replace("\n", "; "))
 
 
-def register() -> None:
-    bpy.utils.register_class(VXS_OT_check_error)
-
-
-def unregister() -> None:
-    bpy.utils.unregister_class(VXS_OT_check_error)
+register, unregister = bpy.utils.register_classes_factory((VXS_OT_check_error,))

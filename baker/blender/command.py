@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import json
 import os
-import queue
 import shutil
 import signal
 import subprocess
-import threading
-import time
 from itertools import product
-from typing import Any, Sequence
+from typing import Any, Iterator, Sequence
 
 import bpy
 from mathutils import Vector
@@ -19,8 +16,8 @@ from mathutils import Vector
 from .settings import own
 
 
-class VxsMissing(Exception):
-    """The command vxs is not there; the text says how to get it."""
+class Failed(Exception):
+    """The text is one sentence for the user."""
 
 
 def preferences(context: bpy.types.Context) -> Any:
@@ -36,16 +33,32 @@ def find_vxs(context: bpy.types.Context) -> str:
     if found:
         return found
     if asked:
-        raise VxsMissing(f"{asked} is not a program. Set the path of vxs in the add-on's preferences")
-    raise VxsMissing("The command vxs was not found: build it with make and run make install, or set its path in the add-on's preferences")
+        raise Failed(f"{asked} is not a program. Set the path of vxs in the add-on's preferences")
+    raise Failed("The command vxs was not found: build it with make and run make install, or set its path in the add-on's preferences")
 
 
-def run_vxs(vxs: str, arguments: Sequence[str], stdin: bytes = b"") -> subprocess.CompletedProcess[bytes]:
-    """Run vxs to its end. Raises VxsMissing when it does not start."""
+def start(vxs: str, arguments: Sequence[str], **streams: Any) -> subprocess.Popen[bytes]:
     try:
-        return subprocess.run([vxs, *arguments], input=stdin, capture_output=True, check=False)
+        return subprocess.Popen([vxs, *arguments], **streams)
     except OSError as error:
-        raise VxsMissing(f"{vxs} does not start: {error.strerror}") from error
+        raise Failed(f"{vxs} does not start: {error.strerror}") from error
+
+
+def why(status: int, said: bytes) -> str:
+    """Why vxs failed, in its own words where it has some."""
+    errors = [line[len("vxs: error: "):] for line in said.decode("utf-8", "replace").splitlines() if line.startswith("vxs: error: ")]
+    if errors:
+        return errors[-1]
+    return f"vxs was ended by signal {-status}" if status < 0 else f"vxs failed with status {status}"
+
+
+def answer(vxs: str, *arguments: str, stdin: bytes = b"") -> bytes:
+    """Run vxs to its end. Returns what it prints."""
+    process = start(vxs, arguments, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    printed, said = process.communicate(stdin)
+    if process.returncode:
+        raise Failed(why(process.returncode, said))
+    return printed
 
 
 def to_gltf(point: Sequence[float]) -> tuple[float, float, float]:
@@ -70,7 +83,7 @@ def detail_arguments(settings: Any, prefix: str = "") -> list[str]:
 def bake_arguments(context: bpy.types.Context, settings: Any, lights: dict[str, bpy.types.Light], level: str, output: str,
                    report: str) -> list[str]:
     """settings: as Scene.vxs; lights: by the names that the level's file gives them."""
-    arguments = ["bake", level, "-o", output, "--json", report, "--progress", "json", *detail_arguments(settings),
+    arguments = [level, "-o", output, "--json", report, "--progress", "json", *detail_arguments(settings),
                  "--closed", settings.closed, "--pack", settings.pack]
     if settings.blend != "auto":
         arguments += ["--blend", settings.blend]
@@ -89,62 +102,35 @@ def bake_arguments(context: bpy.types.Context, settings: Any, lights: dict[str, 
     return arguments
 
 
-def read_progress(line: str) -> dict[str, Any]:
+def read_progress(line: bytes) -> dict[str, Any]:
+    """Of a line that vxs prints: share, seconds_left, doing, where they are known."""
     kinds = {"share": (int, float), "seconds_left": (int, float), "doing": str}
     try:
         return {key: value for key, value in json.loads(line).items() if isinstance(value, kinds.get(key, ()))}
-    except ValueError:
+    except (ValueError, AttributeError):
         return {}
 
 
-class Run:
-    """vxs at work beside Blender. A thread reads what it prints; poll() and finish() are for the main thread."""
-
-    def __init__(self, vxs: str, arguments: Sequence[str]) -> None:
+def run(vxs: str, arguments: Sequence[str], log: str) -> Iterator[dict[str, Any]]:
+    """Run vxs beside Blender, and yield its newest progress. Closed before its end, it stops vxs. log: a file for what vxs prints."""
+    with open(log, "wb") as out, open(log, "rb") as said:
+        process = start(vxs, arguments, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=out)
         try:
-            self.process = subprocess.Popen([vxs, *arguments], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
-        except OSError as error:
-            raise VxsMissing(f"{vxs} does not start: {error.strerror}") from error
-        self.lines: queue.SimpleQueue[str] = queue.SimpleQueue()
-        self.errors: list[str] = []
-        self.kill_at = 0.0  # when a cancelled vxs has had its time
-        self.reader = threading.Thread(target=self._read, daemon=True)
-        self.reader.start()
+            while process.poll() is None:
+                yield next((known for known in map(read_progress, reversed(said.readlines())) if known), {})
+        finally:
+            stop(process)
+        said.seek(0)
+        if process.returncode:
+            raise Failed(why(process.returncode, said.read()))
 
-    def _read(self) -> None:
-        for line in self.process.stderr:
-            self.lines.put(line.decode("utf-8", "replace").rstrip("\n"))
 
-    def poll(self) -> tuple[int | None, dict[str, Any]]:
-        """The exit status, None while vxs runs; and the newest progress: share, seconds_left, doing, where they are known."""
-        status = self.process.poll()
-        if status is not None:
-            self.reader.join()
-        progress: dict[str, Any] = {}
-        while not self.lines.empty():
-            line = self.lines.get()
-            if line.startswith("{"):
-                progress = read_progress(line) or progress
-            elif line.startswith("vxs: error: "):
-                self.errors.append(line[len("vxs: error: "):])
-        return status, progress
-
-    def cancel(self) -> None:
-        """Ask vxs to stop; it takes its unfinished file away. Called again, it kills a vxs that did not stop within 5 seconds."""
-        if self.process.poll() is not None:
-            return
-        if not self.kill_at:
-            self.kill_at = time.monotonic() + 5
-            self.process.send_signal(signal.SIGTERM if os.name == "nt" else signal.SIGINT)
-        elif time.monotonic() > self.kill_at:
-            self.process.kill()
-
-    def finish(self) -> None:
-        """Wait for the end; a vxs that does not stop within 5 seconds is killed."""
+def stop(process: subprocess.Popen[bytes]) -> None:
+    """vxs takes its unfinished file away; one that does not stop within 5 seconds is killed."""
+    if process.poll() is None:
+        process.send_signal(signal.SIGTERM if os.name == "nt" else signal.SIGINT)
         try:
-            self.process.wait(5)
+            process.wait(5)
         except subprocess.TimeoutExpired:
-            self.process.kill()
-            self.process.wait()
-        self.reader.join()
-        self.process.stderr.close()
+            process.kill()
+            process.wait()

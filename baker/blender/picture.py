@@ -14,9 +14,9 @@ from bpy.props import EnumProperty, IntProperty
 from bpy.types import Context, Operator
 from mathutils import Matrix
 
-from .bake import BakeFailed
-from .command import VxsMissing
-from .preview import Baked, answer, gather
+from .command import Failed, answer
+from .operators import Action
+from .preview import Baked, gather
 
 NAME = "vxs picture"
 PIXELS = 8192  # a side of what vxs render draws
@@ -40,9 +40,9 @@ def view_of(context: Context, seen_from: str) -> View:
         return View(space.view_matrix.inverted(), space.window_matrix.copy(), region.width, region.height)
     camera, render = context.scene.camera, context.scene.render
     if not camera or camera.type != "CAMERA":
-        raise BakeFailed("There is no view to draw: the scene has no camera")
+        raise Failed("There is no view to draw: the scene has no camera")
     if camera.data.type == "PANO":
-        raise BakeFailed("A panoramic camera cannot be drawn")
+        raise Failed("A panoramic camera cannot be drawn")
     width, height = (max(16, getattr(render, "resolution_" + axis) * render.resolution_percentage // 100) for axis in "xy")
     depsgraph = context.evaluated_depsgraph_get()
     projection = camera.evaluated_get(depsgraph).calc_matrix_camera(depsgraph, x=width, y=height, scale_x=render.pixel_aspect_x,
@@ -74,7 +74,7 @@ def draw(context: Context, baked: Baked, view: View, taps: int) -> np.ndarray:
     """Pixels [height, width, 4] from below, by vxs render."""
     larger, left, low, camera = centred(view)
     if max(larger.width, larger.height) > PIXELS:
-        raise BakeFailed(f"The picture would have {larger.width} x {larger.height} pixels, and has at most {PIXELS} a side")
+        raise Failed(f"The picture would have {larger.width} x {larger.height} pixels, and has at most {PIXELS} a side")
     with tempfile.TemporaryDirectory(prefix="vxs_", ignore_cleanup_errors=True) as folder:
         _, writer = gather(context, True, os.path.join(folder, "level.glb"))
         matrix = [v for column in larger.matrix.col for v in column]
@@ -107,7 +107,7 @@ def keep(pixels: np.ndarray) -> bpy.types.Image:
     return image
 
 
-class VXS_OT_picture(Operator):
+class VXS_OT_picture(Action, Operator):
     bl_idname = "vxs.picture"
     bl_label = "Picture"
     bl_description = f"Draw the level in its baked shadows with vxs render, as the image '{NAME}'"
@@ -116,25 +116,12 @@ class VXS_OT_picture(Operator):
                                                ("VIEW", "3D View", "A 3D view of this window; the camera where there is none")))
     taps: IntProperty(name="Filter", default=5, min=1, max=17, description="Texels along a side of the box filter, odd")
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return not context.window_manager.vxs.is_running
-
-    def execute(self, context: Context) -> set[str]:
-        try:
-            image = keep(draw(context, Baked(context), view_of(context, self.seen_from), self.taps | 1))
-        except (BakeFailed, VxsMissing) as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+    def work(self, context: Context) -> tuple[()]:
+        image = keep(draw(context, Baked(context), view_of(context, self.seen_from), self.taps | 1))
         for area in context.screen.areas if context.screen else ():
             if area.type == "IMAGE_EDITOR":
                 area.spaces.active.image = image
-        return {"FINISHED"}
+        return ()
 
 
-def register() -> None:
-    bpy.utils.register_class(VXS_OT_picture)
-
-
-def unregister() -> None:
-    bpy.utils.unregister_class(VXS_OT_picture)
+register, unregister = bpy.utils.register_classes_factory((VXS_OT_picture,))

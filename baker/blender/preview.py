@@ -13,22 +13,14 @@ from bpy.props import BoolProperty, IntProperty, StringProperty
 from bpy.types import Context, Operator, Panel
 
 from . import overlay
-from .bake import BakeFailed, output_path
-from .command import VxsMissing, find_vxs, run_vxs
+from .bake import output_path
+from .command import Failed, answer, find_vxs
 from .level import Gatherer, Level, Writer, finish_edits
+from .operators import Action
 
 OUTSIDE = -1.0  # the answer where a light has no map
 BESIDE = (0.3, 0.25, 0.45)  # the colour where no light has one
 LUMINANCE = (0.2126, 0.7152, 0.0722)
-
-
-def answer(vxs: str, *arguments: str, stdin: bytes = b"") -> bytes:
-    """What vxs prints. Raises BakeFailed with its own words where it fails."""
-    done = run_vxs(vxs, arguments, stdin)
-    if done.returncode:
-        said = [line[12:] for line in done.stderr.decode("utf-8", "replace").splitlines() if line.startswith("vxs: error: ")]
-        raise BakeFailed(said[-1] if said else f"vxs {arguments[0]} failed with status {done.returncode}")
-    return done.stdout
 
 
 def gather(context: Context, receivers: bool, path: str = "") -> tuple[Gatherer, Writer]:
@@ -52,12 +44,12 @@ class Baked:
     def __init__(self, context: Context, light: str = "") -> None:
         self.vxs, self.path = find_vxs(context), context.window_manager.vxs.filepath or output_path(context.scene, "")
         if not os.path.isfile(self.path):
-            raise BakeFailed(f"There is no {self.path}: bake first")
+            raise Failed(f"There is no {self.path}: bake first")
         lights = json.loads(answer(self.vxs, "info", self.path, "--json", "-", "--quiet"))["lights"]
         self.numbers = [n for n, each in enumerate(lights) if light in ("", each["name"])]
         self.lights = [lights[n] for n in self.numbers]
         if not self.lights:
-            raise BakeFailed(f"{self.path} has no light '{light}'")
+            raise Failed(f"{self.path} has no light '{light}'")
 
     def ask(self, command: str, *arguments: str, points: np.ndarray, normals: np.ndarray | None = None,
             numbers: list[int] | None = None) -> np.ndarray:
@@ -110,7 +102,7 @@ def preview(context: Context, baked: Baked, taps: int, limit: int) -> bpy.types.
     gatherer, writer = gather(context, True)
     triangles = overlay.seen(gatherer)
     if not len(triangles):
-        raise BakeFailed("There is no surface to show a shadow on")
+        raise Failed("There is no surface to show a shadow on")
     corners, lit, normals = overlay.dice(triangles, baked.width, lambda points, normals: baked.lit(points, normals, taps), limit)
     lamps = writer.glb.json.get("extensions", {}).get("KHR_lights_punctual", {}).get("lights", ())
     strengths = {lamp["name"]: lamp["intensity"] * float(np.dot(lamp["color"], LUMINANCE)) for lamp in lamps}
@@ -128,7 +120,7 @@ def shadings(context: Context) -> list[bpy.types.View3DShading]:
             if space.type == "VIEW_3D"]
 
 
-class VXS_OT_preview(Operator):
+class VXS_OT_preview(Action, Operator):
     bl_idname = "vxs.preview"
     bl_label = "Preview Shadows"
     bl_description = "Show the baked shadows on the scene, by an object that is neither rendered, baked nor exported"
@@ -140,19 +132,11 @@ class VXS_OT_preview(Operator):
                         description="Lookups beside those at the scene's own corners")
     set_shading: BoolProperty(name="Set Shading", description="3D views show colours of attributes alone")
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return not context.window_manager.vxs.is_running
-
-    def execute(self, context: Context) -> set[str]:
-        try:
-            preview(context, Baked(context, self.light), self.taps | 1, self.points)
-        except (BakeFailed, VxsMissing) as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+    def work(self, context: Context) -> tuple[()]:
+        preview(context, Baked(context, self.light), self.taps | 1, self.points)
         for shading in shadings(context) if self.set_shading else ():
             shading.type, shading.color_type, shading.show_backface_culling = "SOLID", "VERTEX", True
-        return {"FINISHED"}
+        return ()
 
 
 class VXS_OT_preview_clear(Operator):
@@ -191,14 +175,4 @@ class VXS_PT_preview(Panel):
         layout.prop(settings, "export_as")
 
 
-CLASSES = (VXS_OT_preview, VXS_OT_preview_clear, VXS_PT_preview)
-
-
-def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister() -> None:
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory((VXS_OT_preview, VXS_OT_preview_clear, VXS_PT_preview))

@@ -91,8 +91,7 @@ class VxsState(PropertyGroup):
     differ_far: IntProperty(options={"SKIP_SAVE"})
 
     def clear(self) -> None:
-        self.is_running = self.is_cancelled = False
-        self.share, self.doing, self.result, self.filepath, self.check = 0.0, "", "", "", ""
+        self.result = self.filepath = self.check = ""
         self.messages.clear()
 
 

@@ -94,7 +94,7 @@ class AddonRequests:
     def bake_and_cancel(self, filepath, after=0.3, limit=60):
         """A bake as in a window, but that there is none here, cancelled after some seconds: what it says, and the seconds to the end."""
         operator = Operator(self.part("bake").VXS_OT_bake, filepath=filepath, resolution=16384, force=True)
-        operator.bake = operator.begin(bpy.context)
+        operator.work_left = operator.steps(bpy.context)
         operator.timer = bpy.context.window_manager.event_timer_add(0.1, window=bpy.context.window)
         start, cancelled, outcome = time.monotonic(), None, {"PASS_THROUGH"}
         while outcome == {"PASS_THROUGH"}:
@@ -138,7 +138,8 @@ class Operator:
             setattr(self, each.identifier, values.get(each.identifier, getattr(each, "default", None)))
 
     def __getattr__(self, name):
-        return functools.partial(vars(self.kind)[name], self)
+        value = next(vars(each)[name] for each in self.kind.__mro__ if name in vars(each))
+        return functools.partial(value, self) if callable(value) else value
 
     def report(self, _level, text):
         self.said.append(text)
