@@ -8,8 +8,10 @@ for name in [name for name in sys.modules if name.startswith(__name__ + ".")]:  
     sys.modules.pop(name)
     globals().pop(name.rpartition(".")[2], None)
 
-from . import bake, check, gltf_export, messages, panels, picture, preview, settings  # noqa: E402
-from .gltf_export import glTF2ExportUserExtension, register_panel  # noqa: E402, F401  Blender's exporter looks for them here
+import bpy  # noqa: E402
+
+from . import bake, check, messages, panels, picture, preview, settings  # noqa: E402
+from .gltf_export import glTF2ExportUserExtension  # noqa: E402, F401  Blender's exporter looks for it here
 
 bl_info = {
     "name": "vxs baked shadows",
@@ -21,14 +23,16 @@ bl_info = {
     "category": "Render",
 }
 
-MODULES = (settings, messages, bake, panels, preview, picture, check, gltf_export)
+CLASSES = tuple(cls for module in (settings, messages, bake, panels, preview, picture, check) for cls in module.CLASSES)
 
 
 def register() -> None:
-    for module in MODULES:
-        module.register()
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    settings.register()
 
 
 def unregister() -> None:
-    for module in reversed(MODULES):
-        module.unregister()
+    settings.unregister()
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

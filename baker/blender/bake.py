@@ -153,4 +153,4 @@ class VXS_OT_cancel(bpy.types.Operator):
         return {"FINISHED"}
 
 
-register, unregister = bpy.utils.register_classes_factory((VXS_OT_bake, VXS_OT_cancel))
+CLASSES = (VXS_OT_bake, VXS_OT_cancel)

@@ -109,10 +109,9 @@ def compare(context: Context, baked: Baked, folder: str, limit: int) -> Iterator
     colours[rows[differs.any(1)]] = COLOURS["NEAR"]
     colours[rows[far.any(1)]] = COLOURS["FAR"]
     overlay.paint(shown.data, "error", colours.reshape(-1, 3))
-    state = context.window_manager.vxs
-    state.checked, state.differ, state.differ_far = (int(x.sum()) for x in (compared, differs, far))
-    state.check = (f"{state.checked} points: {(weights * differs).sum() / max(weights.sum(), 1e-30):.2%} of the surface differs from rays\n"
-                   f"{state.differ_far} points are at no edge of a shadow")
+    context.window_manager.vxs.check = (
+        f"{differs.sum()} of {compared.sum()} answers differ from rays, on {(weights * differs).sum() / max(weights.sum(), 1e-30):.2%} of the surface\n"
+        f"{far.sum()} of them are at no edge of a shadow")
 
 
 class VXS_OT_check_error(Work, Operator):
@@ -131,4 +130,4 @@ class VXS_OT_check_error(Work, Operator):
         self.report({"INFO"}, state.check.replace("\n", "; "))
 
 
-register, unregister = bpy.utils.register_classes_factory((VXS_OT_check_error,))
+CLASSES = (VXS_OT_check_error,)

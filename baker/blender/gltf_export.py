@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Callable
+from typing import Any
 from urllib.parse import quote
 
 import bpy
-from bpy.types import Context, Panel, UILayout
 
 from . import overlay
 
@@ -78,62 +77,3 @@ def tell(export_settings: dict[str, Any], text: str) -> None:
         log.warning("vxs: " + text, popup=True)
     else:
         print("vxs: warning: " + text)
-
-
-def draw(context: Context, layout: UILayout) -> None:
-    """A part of the export panel, as Blender 4.2 and later call it."""
-    settings = context.scene.vxs
-    header, body = layout.panel("VXS_export", default_closed=False)
-    header.prop(settings, "export")
-    if body:
-        body.active = settings.export
-        body.prop(settings, "export_as")
-
-
-class VXS_PT_export(Panel):
-    """The same for Blender 3.4."""
-    bl_space_type = "FILE_BROWSER"
-    bl_region_type = "TOOL_PROPS"
-    bl_label = ""
-    bl_parent_id = "GLTF_PT_export_user_extensions"
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return context.space_data.active_operator.bl_idname == "EXPORT_SCENE_OT_gltf"
-
-    def draw_header(self, context: Context) -> None:
-        self.layout.prop(context.scene.vxs, "export")
-
-    def draw(self, context: Context) -> None:
-        self.layout.active = context.scene.vxs.export
-        self.layout.prop(context.scene.vxs, "export_as")
-
-
-def register_panel() -> Callable[[], None]:
-    """Blender 3.4 asks for the panel when its exporter opens, and calls the result when that is disabled."""
-    if not VXS_PT_export.is_registered:
-        bpy.utils.register_class(VXS_PT_export)
-    return unregister_panel
-
-
-def unregister_panel() -> None:
-    if VXS_PT_export.is_registered:
-        bpy.utils.unregister_class(VXS_PT_export)
-
-
-def panels_of_exporter() -> dict[str, Any]:
-    """What Blender 4.2 and later draw in the export panel; elsewhere a dictionary that is not used."""
-    try:
-        import io_scene_gltf2
-    except ImportError:
-        return {}
-    return getattr(io_scene_gltf2, "exporter_extension_layout_draw", {})
-
-
-def register() -> None:
-    panels_of_exporter()["vxs"] = draw
-
-
-def unregister() -> None:
-    panels_of_exporter().pop("vxs", None)
-    unregister_panel()

@@ -12,9 +12,6 @@ import numpy as np
 from .glb import Glb
 from .materials import Texture
 
-KINDS = {b"\x89PNG": "image/png"}
-LUMINANCE = {True: (0.2989, 0.587, 0.114)}
-
 
 def png(alpha: np.ndarray) -> bytes:
     """A PNG, white, with this alpha [rows, columns] uint8, the first row on top."""

@@ -25,7 +25,6 @@ class Level:
     """What was written, and what was not."""
     path: str
     region: str = ""  # name of its object
-    triangles: int = 0  # of all instances
     instances: int = 0
     lights: dict[str, bpy.types.Light] = field(default_factory=dict)  # by their names in the file
     objects: dict[str, set[str]] = field(default_factory=lambda: defaultdict(set))  # name in the file: what to select for it
@@ -162,7 +161,6 @@ class Writer:
             return self.light_node(place)
         mesh = self.mesh(place.surface, place.key[1])
         self.level.instances += 1
-        self.level.triangles += len(place.surface.triangles)
         return self.glb.add("nodes", {"name": place.key[1], "mesh": mesh, "matrix": place.matrix})
 
     def light_node(self, place: Place) -> int | None:

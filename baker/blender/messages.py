@@ -135,4 +135,4 @@ class VXS_OT_select_named(bpy.types.Operator):
         return {"FINISHED"}
 
 
-register, unregister = bpy.utils.register_classes_factory((VXS_OT_select_named,))
+CLASSES = (VXS_OT_select_named,)

@@ -2,31 +2,33 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
+import textwrap
 from typing import Any
 
-import bpy
+from bpy.types import Context, Panel, UILayout
 
 from .lights import TYPES
 
 
-def draw_detail(layout: bpy.types.UILayout, settings: Any) -> None:
+def draw_detail(layout: UILayout, settings: Any) -> None:
     layout.prop(settings, "detail")
     if settings.detail != "SCENE":
         layout.prop(settings, "texel" if settings.detail == "TEXEL" else "resolution")
 
 
-class PropertiesPanel(bpy.types.Panel):
+class PropertiesPanel(Panel):
     bl_label = "Baked Shadows"
     bl_space_type = "PROPERTIES"
     bl_region_type = "WINDOW"
     bl_options = {"DEFAULT_CLOSED"}
 
 
-class VXS_PT_scene(PropertiesPanel):
-    bl_idname = "VXS_PT_scene"
+class ScenePanel(PropertiesPanel):
     bl_context = "render"
 
-    def draw(self, context: bpy.types.Context) -> None:
+
+class VXS_PT_scene(ScenePanel):
+    def draw(self, context: Context) -> None:
         layout, settings = self.layout, context.scene.vxs
         layout.use_property_split, layout.use_property_decorate = True, False
         draw_detail(layout, settings)
@@ -34,27 +36,23 @@ class VXS_PT_scene(PropertiesPanel):
             layout.prop(settings, name)
 
 
-class VXS_PT_lights(PropertiesPanel):
-    bl_idname = "VXS_PT_lights"
+class VXS_PT_lights(ScenePanel):
     bl_label = "Lights"
     bl_parent_id = "VXS_PT_scene"
-    bl_context = "render"
 
-    def draw(self, context: bpy.types.Context) -> None:
+    def draw(self, context: Context) -> None:
         lights = {ob.data for ob in context.scene.objects if ob.type == "LIGHT" and ob.data.type in TYPES}
         for light in sorted(lights, key=lambda each: each.name):
             self.layout.prop(light.vxs, "bake", text=light.name)
 
 
-class VXS_PT_bake(PropertiesPanel):
+class VXS_PT_bake(ScenePanel):
     """The button, what it is doing, and what came of it."""
-    bl_idname = "VXS_PT_bake"
     bl_label = "Bake"
     bl_parent_id = "VXS_PT_scene"
-    bl_context = "render"
     bl_options = set()
 
-    def draw(self, context: bpy.types.Context) -> None:
+    def draw(self, context: Context) -> None:
         layout, state = self.layout, context.window_manager.vxs
         if state.is_running:
             row = layout.row(align=True)
@@ -67,28 +65,44 @@ class VXS_PT_bake(PropertiesPanel):
         for index, message in enumerate(state.messages):
             self.draw_message(layout, context, index, message)
 
-    def draw_message(self, layout: bpy.types.UILayout, context: bpy.types.Context, index: int, message: Any) -> None:
+    def draw_message(self, layout: UILayout, context: Context, index: int, message: Any) -> None:
         box = layout.box()
         row = box.row()
         column = row.column(align=True)
         column.scale_y = 0.8
         icon = "INFO" if message.level == "INFO" else "ERROR"
-        for line in wrapped(message.text, max(20, int(context.region.width / context.preferences.system.ui_scale / 7) - 8)):
+        for line in textwrap.wrap(message.text, max(20, int(context.region.width / context.preferences.system.ui_scale / 7) - 8)):
             column.label(text=line, icon=icon)
             icon = "BLANK1"
         if len(message.named):
             row.operator("vxs.select_named", text="", icon="RESTRICT_SELECT_OFF").index = index
 
 
+class VXS_PT_preview(ScenePanel):
+    bl_label = "Preview and Export"
+    bl_parent_id = "VXS_PT_scene"
+
+    def draw(self, context: Context) -> None:
+        layout, settings = self.layout, context.scene.vxs
+        row = layout.row(align=True)
+        row.operator("vxs.preview", icon="SHADING_SOLID").set_shading = True
+        row.operator("vxs.preview_clear", text="", icon="X")
+        layout.operator("vxs.picture", icon="IMAGE_DATA")
+        layout.operator("vxs.check_error", icon="VIEWZOOM")
+        for line in context.window_manager.vxs.check.splitlines():
+            layout.label(text=line)
+        layout.prop(settings, "export", text="Bake in glTF Exports")
+        layout.prop(settings, "export_as")
+
+
 class VXS_PT_light(PropertiesPanel):
-    bl_idname = "VXS_PT_light"
     bl_context = "data"
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
+    def poll(cls, context: Context) -> bool:
         return context.light is not None and context.light.type in TYPES
 
-    def draw(self, context: bpy.types.Context) -> None:
+    def draw(self, context: Context) -> None:
         layout, settings = self.layout, context.light.vxs
         layout.use_property_split, layout.use_property_decorate = True, False
         layout.prop(settings, "bake")
@@ -98,24 +112,14 @@ class VXS_PT_light(PropertiesPanel):
 
 
 class VXS_PT_object(PropertiesPanel):
-    bl_idname = "VXS_PT_object"
     bl_context = "object"
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
+    def poll(cls, context: Context) -> bool:
         return context.object is not None and context.object.type in ("MESH", "CURVE", "SURFACE", "FONT", "META", "EMPTY")
 
-    def draw(self, context: bpy.types.Context) -> None:
+    def draw(self, context: Context) -> None:
         self.layout.prop(context.object.vxs, "casts")
 
 
-def wrapped(text: str, width: int) -> list[str]:
-    lines = [""]
-    for word in text.split():
-        if lines[-1] and len(lines[-1]) + 1 + len(word) > width:
-            lines.append("")
-        lines[-1] += (" " if lines[-1] else "") + word
-    return lines
-
-
-register, unregister = bpy.utils.register_classes_factory((VXS_PT_scene, VXS_PT_lights, VXS_PT_bake, VXS_PT_light, VXS_PT_object))
+CLASSES = (VXS_PT_scene, VXS_PT_lights, VXS_PT_bake, VXS_PT_preview, VXS_PT_light, VXS_PT_object)

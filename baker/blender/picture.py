@@ -81,8 +81,7 @@ def draw(context: Context, baked: Baked, view: View, taps: int) -> np.ndarray:
         writer.nodes.append(writer.glb.add("nodes", {"name": NAME, "matrix": matrix, "camera": writer.glb.add("cameras", camera)}))
         writer.write(context.scene)
         file = os.path.join(folder, "picture.png")
-        chosen = [part for n in baked.numbers for part in ("--light", f"#{n}")]
-        answer(baked.vxs, "render", writer.level.path, baked.path, "-o", file, "--camera", "0", "--filter", str(taps), *chosen,
+        answer(baked.vxs, "render", writer.level.path, baked.path, "-o", file, "--camera", "0", "--filter", str(taps),
                "--width", str(larger.width), "--height", str(larger.height), "--quiet")
         image = bpy.data.images.load(file)
         try:
@@ -124,4 +123,4 @@ class VXS_OT_picture(Action, Operator):
         return ()
 
 
-register, unregister = bpy.utils.register_classes_factory((VXS_OT_picture,))
+CLASSES = (VXS_OT_picture,)

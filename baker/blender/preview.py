@@ -10,7 +10,7 @@ from typing import Any
 import bpy
 import numpy as np
 from bpy.props import BoolProperty, IntProperty, StringProperty
-from bpy.types import Context, Operator, Panel
+from bpy.types import Context, Operator
 
 from . import overlay
 from .bake import output_path
@@ -154,25 +154,4 @@ class VXS_OT_preview_clear(Operator):
         return {"FINISHED"}
 
 
-class VXS_PT_preview(Panel):
-    bl_idname = "VXS_PT_preview"
-    bl_label = "Preview and Export"
-    bl_parent_id = "VXS_PT_scene"
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "render"
-
-    def draw(self, context: Context) -> None:
-        layout, settings = self.layout, context.scene.vxs
-        row = layout.row(align=True)
-        row.operator("vxs.preview", icon="SHADING_SOLID").set_shading = True
-        row.operator("vxs.preview_clear", text="", icon="X")
-        layout.operator("vxs.picture", icon="IMAGE_DATA")
-        layout.operator("vxs.check_error", icon="VIEWZOOM")
-        for line in context.window_manager.vxs.check.splitlines():
-            layout.label(text=line)
-        layout.prop(settings, "export", text="Bake in glTF Exports")
-        layout.prop(settings, "export_as")
-
-
-register, unregister = bpy.utils.register_classes_factory((VXS_OT_preview, VXS_OT_preview_clear, VXS_PT_preview))
+CLASSES = (VXS_OT_preview, VXS_OT_preview_clear)

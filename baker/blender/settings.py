@@ -85,10 +85,7 @@ class VxsState(PropertyGroup):
     messages: CollectionProperty(type=VxsMessage, options={"SKIP_SAVE"})
     result: StringProperty(options={"SKIP_SAVE"})  # lines of the last bake: size, time, memory, texels
     filepath: StringProperty(options={"SKIP_SAVE"})  # what the last bake wrote
-    check: StringProperty(options={"SKIP_SAVE"})  # lines of the last comparison with rays, and its numbers of points
-    checked: IntProperty(options={"SKIP_SAVE"})
-    differ: IntProperty(options={"SKIP_SAVE"})
-    differ_far: IntProperty(options={"SKIP_SAVE"})
+    check: StringProperty(options={"SKIP_SAVE"})  # lines of the last comparison with rays
 
     def clear(self) -> None:
         self.result = self.filepath = self.check = ""
@@ -127,8 +124,6 @@ def forget_bake(*_: object) -> None:
 
 
 def register() -> None:
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
     for holder, group in HOLDERS:
         holder.vxs = PointerProperty(type=group)
     bpy.app.handlers.load_post.append(forget_bake)
@@ -138,5 +133,3 @@ def unregister() -> None:
     bpy.app.handlers.load_post.remove(forget_bake)
     for holder, _ in HOLDERS:
         del holder.vxs
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
