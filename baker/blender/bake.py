@@ -15,7 +15,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, St
 
 from . import settings
 from .command import Failed, bake_arguments, find_vxs, run
-from .level import Level, finish_edits, write_level
+from .level import Level, gather
 from .messages import plain, tell, tell_left_out, tell_warnings, things_named
 from .operators import Work
 
@@ -99,14 +99,14 @@ class VXS_OT_bake(Work, bpy.types.Operator):
         return value
 
     def work(self, context: bpy.types.Context) -> Iterator[float]:
-        state, self.level = context.window_manager.vxs, Level("")
+        state, self.level = context.window_manager.vxs, Level()
         state.clear()
         chosen, output = self.chosen(context.scene), output_path(context.scene, self.filepath)
         vxs = find_vxs(context)
         with tempfile.TemporaryDirectory(prefix="vxs_", ignore_cleanup_errors=True) as folder:
             path, report, log = (os.path.join(folder, name) for name in ("level.glb", "report.json", "log"))
-            finish_edits(context)
-            self.level = write_level(context.evaluated_depsgraph_get(), context.scene, path, chosen.region)
+            self.level = Level(path, chosen.region.name if chosen.region else "")
+            gather(context, self.level)[1].write(context.scene)
             refuse_nothing(self.level)
             arguments = bake_arguments(context, chosen, self.level.lights, path, output, report)
             yield from self.watch(state, run(vxs, ["bake", *arguments], log))

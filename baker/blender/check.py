@@ -15,11 +15,11 @@ from bpy.types import Context, Material, Operator
 from mathutils.bvhtree import BVHTree
 
 from . import overlay
-from .command import Failed
-from .level import Surface
+from .command import Failed, to_gltf
+from .level import Level, Surface, gather
 from .materials import Appearance
 from .operators import Work
-from .preview import OUTSIDE, Baked, gather, preview, to_gltf, towards
+from .preview import OUTSIDE, Baked, preview, towards
 
 COLOURS = {"NEAR": (1.0, 0.8, 0.1), "FAR": (1.0, 0.05, 0.05)}  # of what differs
 REACH = 1.5  # texels, from a point to where edges of shadow are looked for
@@ -31,7 +31,7 @@ class Truth:
 
     def __init__(self, context: Context, baked: Baked, folder: str) -> None:
         self.baked, self.path = baked, os.path.join(folder, "level.glb")
-        gatherer, writer = gather(context, False, self.path)
+        gatherer, writer = gather(context, Level(self.path))
         writer.write(context.scene)
         self.matrices = {node["name"]: np.array(node["matrix"]).reshape(4, 4) for node in writer.glb.json["nodes"] if "extensions" in node}
         self.numbers = {name: n for n, name in enumerate(writer.level.lights)}
@@ -65,7 +65,7 @@ class Truth:
         ways, far = towards(self.now(light), points)
         answers = np.full(len(points), OUTSIDE)
         for n in np.flatnonzero((ways * normals).sum(1) >= 0.0).tolist():
-            answers[n] = self.ray(points[n], ways[n], 1e30 if far is None else far[n])
+            answers[n] = self.ray(points[n], ways[n], 1e30 if light["kind"] == "directional" else far[n])
         unknown = np.isnan(answers)
         if unknown.any():
             asked = self.baked.ask("truth", self.path, points=points[unknown], numbers=[self.numbers[light["name"]]])

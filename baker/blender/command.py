@@ -11,6 +11,7 @@ from itertools import product
 from typing import Any, Iterator, Sequence
 
 import bpy
+import numpy as np
 from mathutils import Vector
 
 from .settings import own
@@ -61,8 +62,9 @@ def answer(vxs: str, *arguments: str, stdin: bytes = b"") -> bytes:
     return printed
 
 
-def to_gltf(point: Sequence[float]) -> tuple[float, float, float]:
-    return point[0], point[2], -point[1]
+def to_gltf(vectors: np.ndarray) -> np.ndarray:
+    """Of vectors [count, 3]: in the axes of glTF."""
+    return vectors[:, [0, 2, 1]] * (1.0, 1.0, -1.0)
 
 
 def region_argument(box: bpy.types.Object) -> str:
@@ -70,8 +72,8 @@ def region_argument(box: bpy.types.Object) -> str:
     corners = map(Vector, box.bound_box)
     if box.type == "EMPTY":
         corners = (Vector(corner) * box.empty_display_size for corner in product((-1, 1), repeat=3))
-    points = [to_gltf(box.matrix_world @ corner) for corner in corners]
-    return ",".join(f"{bound(axis):.9g}" for bound in (min, max) for axis in zip(*points))
+    points = to_gltf(np.array([box.matrix_world @ corner for corner in corners]))
+    return ",".join(f"{v:.9g}" for v in (*points.min(0), *points.max(0)))
 
 
 def detail_arguments(settings: Any, prefix: str = "") -> list[str]:

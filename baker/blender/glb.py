@@ -20,17 +20,13 @@ class Glb:
         self.parts: list[bytes | np.ndarray] = []
         self.size = 0
 
-    def add(self, kind: str, value: dict[str, Any]) -> int:
-        """Append to an array of the JSON, as "meshes". Returns the index."""
-        items = self.json.setdefault(kind, [])
+    def add(self, kind: str, value: dict[str, Any], extension: str = "") -> int:
+        """Append to an array, as "meshes", of the JSON, or of an extension in it. Returns the index."""
+        if extension:
+            self.use(extension)
+        holder = self.json.setdefault("extensions", {}).setdefault(extension, {}) if extension else self.json
+        items = holder.setdefault(kind, [])
         items.append(value)
-        return len(items) - 1
-
-    def extend(self, extension: str, kind: str, value: dict[str, Any]) -> int:
-        """Append to an array of an extension of the file. Returns the index."""
-        items = self.json.setdefault("extensions", {}).setdefault(extension, {}).setdefault(kind, [])
-        items.append(value)
-        self.use(extension)
         return len(items) - 1
 
     def use(self, extension: str) -> None:

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
+import pathlib
 import struct
 import zlib
 from typing import Any
@@ -32,14 +33,8 @@ def stored_bytes(image: bpy.types.Image) -> bytes:
     """The PNG that an image was read from, where nothing was painted since; b"" for others."""
     if image.source != "FILE" or image.is_dirty or image.alpha_mode == "NONE":
         return b""
-    if image.packed_file:
-        data = image.packed_file.data
-    else:
-        try:
-            with open(bpy.path.abspath(image.filepath_raw, library=image.library), "rb") as file:
-                data = file.read()
-        except OSError:
-            return b""
+    path = pathlib.Path(bpy.path.abspath(image.filepath_raw, library=image.library))
+    data = image.packed_file.data if image.packed_file else path.read_bytes() if path.is_file() else b""
     return data if data.startswith(b"\x89PNG") else b""
 
 

@@ -23,7 +23,7 @@ NOT_BAKED = {"CURVES": "are hair curves", "POINTCLOUD": "are point clouds", "VOL
 @dataclass
 class Level:
     """What was written, and what was not."""
-    path: str
+    path: str = ""
     region: str = ""  # name of its object
     instances: int = 0
     lights: dict[str, bpy.types.Light] = field(default_factory=dict)  # by their names in the file
@@ -178,7 +178,7 @@ class Writer:
             name = f"{base} {count}"
         self.level.lights[name] = light
         self.level.objects[name].update((place.light.name, place.key[0]))
-        index = self.glb.extend("KHR_lights_punctual", "lights", value | {"name": name})
+        index = self.glb.add("lights", value | {"name": name}, "KHR_lights_punctual")
         return self.glb.add("nodes", {"name": name, "matrix": place.matrix, "extensions": {"KHR_lights_punctual": {"light": index}}})
 
     def mesh(self, surface: Surface, name: str) -> int:
@@ -194,11 +194,9 @@ class Writer:
         material = surface.materials[slot]
         texture = self.looks[material].texture if material else None
         uv = surface.uvs.get(texture.uv_map) if texture else None
-        corners = surface.corners[triangles]
-        is_whole = len(triangles) == len(surface.triangles)
         if uv is None:
-            used, indices = (None, corners) if is_whole else compact(corners, len(surface.points))
-            attributes = {"POSITION": surface.points if used is None else surface.points[used]}
+            used, indices = compact(surface.corners[triangles], len(surface.points))
+            attributes = {"POSITION": surface.points[used]}
         else:
             used, indices = compact(triangles, len(surface.corners))
             attributes = {"POSITION": surface.points[surface.corners[used]], "TEXCOORD_0": uv[used]}
@@ -230,16 +228,10 @@ def compact(indices: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     return np.flatnonzero(is_used), (np.cumsum(is_used) - 1)[indices]
 
 
-def finish_edits(context: bpy.types.Context) -> None:
-    """Meshes in edit mode get what was edited."""
+def gather(context: bpy.types.Context, level: Level, receivers: bool = False) -> tuple[Gatherer, Writer]:
+    """What casts, and with `receivers` what else is rendered; Writer.write() writes it. Nothing in Blender changes."""
     for ob in context.view_layer.objects:
         if ob and ob.mode != "OBJECT":  # None: removed, as Blender 5.0 notes later
             ob.update_from_editmode()
-
-
-def write_level(depsgraph: bpy.types.Depsgraph, scene: bpy.types.Scene, path: str, region: bpy.types.Object | None = None) -> Level:
-    """Write what the depsgraph shows as a GLB. Nothing in Blender changes. region: an object that casts nothing; None: the scene's."""
-    region = region or scene.vxs.region
-    level = Level(path, region.name if region else "")
-    Writer(Gatherer(depsgraph, scene, level)).write(scene)
-    return level
+    gatherer = Gatherer(context.evaluated_depsgraph_get(), context.scene, level, receivers)
+    return gatherer, Writer(gatherer)

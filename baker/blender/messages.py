@@ -97,12 +97,7 @@ def tell_warnings(state: Any, level: Level, warnings: list[str]) -> None:
 
 def tell_left_out(state: Any, level: Level) -> None:
     for why, names in sorted(level.left_out.items()):
-        count = f"{len(names)} objects {why}" if len(names) > 1 else f"Object '{min(names)}' {singular(why)}"
-        tell(state, "INFO", f"{count}: no baked shadow", [("OBJECT", name) for name in sorted(names)])
-
-
-def singular(why: str) -> str:
-    return re.sub(r"^(are|have)\b", lambda verb: {"are": "is", "have": "has"}[verb[1]], why)
+        tell(state, "INFO", f"{len(names)} left out: objects that {why}", [("OBJECT", name) for name in sorted(names)])
 
 
 class VXS_OT_select_named(bpy.types.Operator):

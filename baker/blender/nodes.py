@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
-from typing import Iterator, NamedTuple
+from typing import NamedTuple
 
 import bpy
 
@@ -15,9 +15,6 @@ class End(NamedTuple):
     @property
     def node(self) -> bpy.types.Node:
         return self.socket.node
-
-    def inputs(self) -> Iterator[End]:
-        return (End(socket, self.groups) for socket in self.node.inputs)
 
     def input(self, key: str | int) -> End:
         return End(self.node.inputs[key], self.groups)
@@ -67,7 +64,7 @@ def search(end: End, kind: str) -> list[End] | None:
         return None
     if found.node.type == kind:
         return [found]
-    return next(([*trail, found] for trail in (search(i, kind) for i in found.inputs()) if trail), None)
+    return next(([*trail, found] for trail in (search(End(i, found.groups), kind) for i in found.node.inputs) if trail), None)
 
 
 def surface(material: bpy.types.Material) -> End | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from typing import Any, Iterable, Iterator
+from typing import Any, Iterator
 
 import bpy
 from bpy.types import Context, Event
@@ -12,15 +12,11 @@ from .command import Failed
 
 
 class Action:
-    """An operator that does its work at once."""
+    """An operator. Its work(context) returns () in the end, or is a generator that pauses now and then, and yields the seconds to wait."""
 
     @classmethod
     def poll(cls, context: Context) -> bool:
         return context.scene is not None and not context.window_manager.vxs.is_running
-
-    def work(self, context: Context) -> Iterable[float]:
-        """Of long work, a generator, which pauses now and then: it yields the seconds to wait for."""
-        raise NotImplementedError
 
     def fail(self, state: Any, text: str) -> None:
         self.report({"INFO" if state.is_cancelled else "ERROR"}, text)  # what the user asked for is no fault

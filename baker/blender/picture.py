@@ -15,8 +15,9 @@ from bpy.types import Context, Operator
 from mathutils import Matrix
 
 from .command import Failed, answer
+from .level import Level, gather
 from .operators import Action
-from .preview import Baked, gather
+from .preview import Baked
 
 NAME = "vxs picture"
 PIXELS = 8192  # a side of what vxs render draws
@@ -76,7 +77,7 @@ def draw(context: Context, baked: Baked, view: View, taps: int) -> np.ndarray:
     if max(larger.width, larger.height) > PIXELS:
         raise Failed(f"The picture would have {larger.width} x {larger.height} pixels, and has at most {PIXELS} a side")
     with tempfile.TemporaryDirectory(prefix="vxs_", ignore_cleanup_errors=True) as folder:
-        _, writer = gather(context, True, os.path.join(folder, "level.glb"))
+        _, writer = gather(context, Level(os.path.join(folder, "level.glb")), receivers=True)
         matrix = [v for column in larger.matrix.col for v in column]
         writer.nodes.append(writer.glb.add("nodes", {"name": NAME, "matrix": matrix, "camera": writer.glb.add("cameras", camera)}))
         writer.write(context.scene)

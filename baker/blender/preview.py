@@ -14,24 +14,13 @@ from bpy.types import Context, Operator
 
 from . import overlay
 from .bake import output_path
-from .command import Failed, answer, find_vxs
-from .level import Gatherer, Level, Writer, finish_edits
+from .command import Failed, answer, find_vxs, to_gltf
+from .level import Level, gather
 from .operators import Action
 
 OUTSIDE = -1.0  # the answer where a light has no map
 BESIDE = (0.3, 0.25, 0.45)  # the colour where no light has one
 LUMINANCE = (0.2126, 0.7152, 0.0722)
-
-
-def gather(context: Context, receivers: bool, path: str = "") -> tuple[Gatherer, Writer]:
-    """The level: what casts, and with `receivers` what else is rendered. path: for Writer.write()."""
-    finish_edits(context)
-    gatherer = Gatherer(context.evaluated_depsgraph_get(), context.scene, Level(path), receivers)
-    return gatherer, Writer(gatherer)
-
-
-def to_gltf(vectors: np.ndarray) -> np.ndarray:
-    return vectors[:, [0, 2, 1]] * (1.0, 1.0, -1.0)
 
 
 def to_blender(vector: list[float]) -> np.ndarray:
@@ -66,14 +55,13 @@ class Baked:
 
     def width(self, points: np.ndarray) -> np.ndarray:
         """Side of a texel at points, of the finest light."""
-        return np.min([light["texel_m"] * (1.0 if far is None else far) + np.zeros(len(points))
-                       for light in self.lights for _, far in [towards(light, points)]], axis=0)
+        return np.min([light["texel_m"] * towards(light, points)[1] for light in self.lights], axis=0)
 
 
-def towards(light: dict[str, Any], points: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
-    """Unit vectors from points to a light of `vxs info`, and how far it is; None for a sun."""
+def towards(light: dict[str, Any], points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Unit vectors from points to a light of `vxs info`, and how far it is; 1 to a sun."""
     if light["kind"] == "directional":
-        return np.broadcast_to(-to_blender(light["direction"]), points.shape), None
+        return np.broadcast_to(-to_blender(light["direction"]), points.shape), np.ones(len(points))
     way = to_blender(light["position_m"]) - points
     far = np.maximum(np.linalg.norm(way, axis=1), 1e-6)
     return way / far[:, None], far
@@ -85,9 +73,7 @@ def greys(lights: list[dict[str, Any]], strengths: dict[str, float], points: np.
     for n, light in enumerate(lights):
         way, far = towards(light, points)
         facing = (way * normals).sum(1)
-        share[:, n] = strengths.get(light["name"], 1.0) * np.maximum(facing, 0.0) if len(lights) > 1 else 1.0
-        if far is not None:
-            share[:, n] /= far**2
+        share[:, n] = strengths.get(light["name"], 1.0) * np.maximum(facing, 0.0) / far**2 if len(lights) > 1 else 1.0
         lit[:, n] = np.where((facing < 0.0) & (lit[:, n] > 0.0), 0.0, lit[:, n])
     share[lit == OUTSIDE] = 0.0
     grey = (lit * share).sum(1) / np.maximum(share.sum(1), 1e-30)
@@ -99,7 +85,7 @@ def greys(lights: list[dict[str, Any]], strengths: dict[str, float], points: np.
 def preview(context: Context, baked: Baked, taps: int, limit: int) -> bpy.types.Object:
     """Make the overlay anew."""
     overlay.clear()
-    gatherer, writer = gather(context, True)
+    gatherer, writer = gather(context, Level(), receivers=True)
     triangles = overlay.seen(gatherer)
     if not len(triangles):
         raise Failed("There is no surface to show a shadow on")

@@ -113,7 +113,7 @@ class AddonRequests:
         level = os.path.join(folder, "level.glb")
         command = [vxs, "bake", level, "-o", os.path.join(folder, "vxs.vxs"), "--resolution", str(resolution), "--quiet", "--force"]
         actions = {"add-on": lambda: bpy.ops.vxs.bake(filepath=os.path.join(folder, "addon.vxs"), resolution=resolution, force=True),
-                   "level": lambda: self.part("level").write_level(bpy.context.evaluated_depsgraph_get(), bpy.context.scene, level),
+                   "level": lambda: self.part("level").gather(bpy.context, self.part("level").Level(level))[1].write(bpy.context.scene),
                    "vxs": lambda: subprocess.run(command, check=True)}
         seconds = {name: [] for name in actions}
         for _ in range(runs):
