@@ -68,7 +68,7 @@ class Truth:
             answers[n] = self.ray(points[n], ways[n], 1e30 if light["kind"] == "directional" else far[n])
         unknown = np.isnan(answers)
         if unknown.any():
-            asked = self.baked.ask("truth", self.path, points=points[unknown], numbers=[self.numbers[light["name"]]])
+            asked = self.baked.ask(points[unknown], normals[unknown], [self.numbers[light["name"]]], "truth", self.path)
             answers[unknown] = asked[:, 0] != 0.0
         return answers
 

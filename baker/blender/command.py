@@ -22,14 +22,12 @@ class Failed(Exception):
 
 
 def preferences(context: bpy.types.Context) -> Any:
-    """The add-on's preferences; None where it was registered without being enabled."""
-    addon = context.preferences.addons.get(__package__)
-    return addon.preferences if addon else None
+    return context.preferences.addons[__package__].preferences
 
 
 def find_vxs(context: bpy.types.Context) -> str:
     """Path of vxs: the one in the preferences, or on the PATH."""
-    asked = bpy.path.abspath(getattr(preferences(context), "vxs", ""))
+    asked = bpy.path.abspath(preferences(context).vxs)
     found = shutil.which(asked or "vxs")
     if found:
         return found
@@ -97,9 +95,9 @@ def bake_arguments(context: bpy.types.Context, settings: Any, lights: dict[str, 
     if settings.if_changed:
         arguments.append("--if-changed")
     chosen = preferences(context)
-    if chosen and chosen.threads:
+    if chosen.threads:
         arguments += ["--threads", str(chosen.threads)]
-    if chosen and chosen.memory:
+    if chosen.memory:
         arguments += ["--memory", f"{chosen.memory}M"]
     return arguments
 

@@ -54,12 +54,10 @@ class glTF2ExportUserExtension:
 
 def forget_settings(gltf: Any) -> None:
     """Before Blender 5.0 the exporter takes the add-on's settings for custom properties of the user."""
-    for item in [*gltf.nodes, *gltf.scenes]:
-        if item.extras and item.extras.pop("vxs", None) is not None and not item.extras:
-            item.extras = None
-    for light in (gltf.extensions or {}).get("KHR_lights_punctual", {}).get("lights", ()):
-        if light.get("extras") and light["extras"].pop("vxs", None) is not None and not light["extras"]:
-            light["extras"] = None
+    lights = (gltf.extensions or {}).get("KHR_lights_punctual", {}).get("lights", ())
+    for extras in (*(item.extras for item in (*gltf.nodes, *gltf.scenes)), *(light.get("extras") for light in lights)):
+        if extras:
+            extras.pop("vxs", None)
 
 
 def refuse_other_places(export_settings: dict[str, Any]) -> None:

@@ -13,7 +13,6 @@ from .nodes import End, constant, node_before, search, source, surface
 BLENDER_4_2 = bpy.app.version >= (4, 2)  # from then on the nodes decide about alpha, not the settings of EEVEE
 MODES = {"CLIP": "MASK", "HASHED": "BLEND", "BLEND": "BLEND"}
 CLAMP, MIRROR, REPEAT = 33071, 33648, 10497
-HOLES = (("LESS_THAN", 0, 1), ("GREATER_THAN", 1, 0))  # comparisons that are 1 in a hole: which inputs are alpha and the cutoff
 WRAPS = {"EXTEND": CLAMP, "CLIP": CLAMP, "MIRROR": MIRROR}
 
 
@@ -46,11 +45,14 @@ def clipped(end: End) -> tuple[float | None, End]:
     if rounded := node_before(end, "MATH", operation="ROUND"):
         return 0.5, rounded.input(0)
     turned = node_before(end, "MATH", operation="SUBTRACT")
-    hole = turned.input(1) if turned and constant(turned.input(0)) == 1.0 else None  # 1 - (alpha < cutoff)
-    for operation, alpha, cutoff in HOLES if hole else reversed(HOLES):
-        alpha, cutoff = (alpha, cutoff) if hole else (cutoff, alpha)
-        test = node_before(hole or end, "MATH", operation=operation)
-        if test and constant(test.input(cutoff)) is not None and not (hole and constant(test.input(alpha)) is not None):
+    if turned and constant(turned.input(0)) == 1.0:  # 1 - (alpha < cutoff)
+        for operation, alpha, cutoff in (("LESS_THAN", 0, 1), ("GREATER_THAN", 1, 0)):
+            test = node_before(turned.input(1), "MATH", operation=operation)
+            if test and constant(test.input(alpha)) is None and constant(test.input(cutoff)) is not None:
+                return constant(test.input(cutoff)), test.input(alpha)
+    for operation, alpha, cutoff in (("GREATER_THAN", 0, 1), ("LESS_THAN", 1, 0)):
+        test = node_before(end, "MATH", operation=operation)
+        if test and constant(test.input(cutoff)) is not None:
             return constant(test.input(cutoff)), test.input(alpha)
     return None, end
 

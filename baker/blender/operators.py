@@ -59,13 +59,10 @@ class Work(Action):
     def invoke(self, context: Context, _event: Event) -> set[str]:
         if bpy.app.background or not context.window:
             return self.execute(context)
-        self.begin(context)
-        return {"RUNNING_MODAL"}
-
-    def begin(self, context: Context) -> None:
         self.work_left = self.steps(context)
         self.timer = context.window_manager.event_timer_add(0.05, window=context.window)
         context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
 
     def modal(self, context: Context, event: Event) -> set[str]:
         outcome = {"PASS_THROUGH"}

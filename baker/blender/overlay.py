@@ -101,16 +101,8 @@ def dice(triangles: np.ndarray, width: Width, ask: Ask, limit: int) -> tuple[np.
 
 def mesh_of(corners: np.ndarray) -> bpy.types.Mesh:
     """A mesh of separate triangles."""
-    mesh, count = bpy.data.meshes.new(NAME), len(corners)
-    mesh.vertices.add(3 * count)
-    mesh.vertices.foreach_set("co", corners.astype(np.float32).ravel())
-    mesh.loops.add(3 * count)
-    mesh.loops.foreach_set("vertex_index", np.arange(3 * count, dtype=np.int32))
-    mesh.polygons.add(count)
-    mesh.polygons.foreach_set("loop_start", np.arange(0, 3 * count, 3, dtype=np.int32))
-    if bpy.app.version < (4, 0):
-        mesh.polygons.foreach_set("loop_total", np.full(count, 3, np.int32))
-    mesh.update(calc_edges=True)
+    mesh = bpy.data.meshes.new(NAME)
+    mesh.from_pydata(corners.reshape(-1, 3), [], np.arange(corners.size // 3).reshape(-1, 3))
     return mesh
 
 

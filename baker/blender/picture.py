@@ -97,13 +97,10 @@ def draw(context: Context, baked: Baked, view: View, taps: int) -> np.ndarray:
 def keep(pixels: np.ndarray) -> bpy.types.Image:
     """As the image of the picture; where it is used it stays so."""
     height, width = pixels.shape[:2]
-    image, old = bpy.data.images.new(NAME, width, height), bpy.data.images.get(NAME)
+    image = bpy.data.images.get(NAME) or bpy.data.images.new(NAME, width, height)
+    image.scale(width, height)
     image.pixels.foreach_set(np.ascontiguousarray(pixels).ravel())
     image.pack()
-    if old != image:
-        old.user_remap(image)
-        bpy.data.images.remove(old)
-        image.name = NAME
     return image
 
 

@@ -40,18 +40,16 @@ class Baked:
         if not self.lights:
             raise Failed(f"{self.path} has no light '{light}'")
 
-    def ask(self, command: str, *arguments: str, points: np.ndarray, normals: np.ndarray | None = None,
-            numbers: list[int] | None = None) -> np.ndarray:
-        """[points, lights]: 0 dark to 1 lit, or OUTSIDE. numbers: of lights, where they are not those of the file."""
-        numbers = self.numbers if numbers is None else numbers
-        rows = to_gltf(points) if normals is None else np.concatenate([to_gltf(points), to_gltf(normals)], 1)
-        text = ("%.9g %.9g %.9g" + (" %.6g %.6g %.6g" if normals is not None else "") + "\n") * len(rows) % tuple(rows.ravel().tolist())
+    def ask(self, points: np.ndarray, normals: np.ndarray, numbers: list[int], command: str, *arguments: str) -> np.ndarray:
+        """[points, lights of these numbers]: 0 dark to 1 lit, or OUTSIDE."""
+        rows = np.concatenate([to_gltf(points), to_gltf(normals)], 1)
+        text = "%.9g %.9g %.9g %.6g %.6g %.6g\n" * len(rows) % tuple(rows.ravel().tolist())
         chosen = [part for n in numbers for part in ("--light", f"#{n}")]
         said = answer(self.vxs, command, *arguments, *chosen, stdin=text.encode())
         return np.array(said.replace(b"out", b"-1").split(), "S16").astype(np.float32).reshape(len(rows), len(numbers))
 
     def lit(self, points: np.ndarray, normals: np.ndarray, taps: int = 1) -> np.ndarray:
-        return self.ask("query", self.path, "--filter", str(taps), points=points, normals=normals)
+        return self.ask(points, normals, self.numbers, "query", self.path, "--filter", str(taps))
 
     def width(self, points: np.ndarray) -> np.ndarray:
         """Side of a texel at points, of the finest light."""
