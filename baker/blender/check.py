@@ -35,10 +35,12 @@ class Truth:
         writer.write(context.scene)
         self.matrices = {node["name"]: np.array(node["matrix"]).reshape(4, 4) for node in writer.glb.json["nodes"] if "extensions" in node}
         self.numbers = {name: n for n, name in enumerate(writer.level.lights)}
-        surfaces, parts, closed = zip(*overlay.surfaces(gatherer))
-        kinds = [math.nan if self.has_holes(surface, gatherer.looks) else OUTSIDE if whole else 0.0 for surface, whole in zip(surfaces, closed)]
-        self.kinds = np.repeat(kinds, [len(part) for part in parts])  # of each triangle, what ray() answers from behind
-        triangles = np.concatenate(parts)
+        casters = list(overlay.surfaces(gatherer))
+        if not casters:
+            raise Failed("Nothing casts shadows: there is nothing to compare with")
+        behind = [math.nan if self.has_holes(surface, gatherer.looks) else OUTSIDE if whole else 0.0 for surface, _, whole in casters]
+        self.behind = np.repeat(behind, [len(part) for _, part, _ in casters])  # what ray() answers from behind a triangle
+        triangles = np.concatenate([part for _, part, _ in casters])
         self.tree = BVHTree.FromPolygons(triangles.reshape(-1, 3).tolist(), np.arange(triangles.size // 3).reshape(-1, 3).tolist(),
                                          all_triangles=True)
 
@@ -58,7 +60,7 @@ class Truth:
         _, normal, index, _ = self.tree.ray_cast(start, way, far)
         if index is None:
             return 1.0
-        return self.kinds[index] if math.isnan(self.kinds[index]) or normal.dot(way) > 0.0 else 0.0
+        return self.behind[index] if math.isnan(self.behind[index]) or normal.dot(way) > 0.0 else 0.0
 
     def lit(self, points: np.ndarray, normals: np.ndarray, light: dict[str, Any]) -> np.ndarray:
         """[points] 1 or 0; OUTSIDE where they face away from the light, which is dark whatever the file says, or are in a solid."""

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
+import itertools
 from collections import defaultdict
 from dataclasses import dataclass, field
 from typing import Any
@@ -93,9 +94,7 @@ class Gatherer:
 
     def take(self, instance: bpy.types.DepsgraphObjectInstance) -> None:
         ob = instance.object
-        if ob.type not in ("MESH", "LIGHT") and ob.type not in NOT_BAKED:
-            return
-        if not self.casters.is_rendered(instance):
+        if ob.type not in ("MESH", "LIGHT", *NOT_BAKED) or not self.casters.is_rendered(instance):
             return
         name = ob.original.name
         why = NOT_BAKED.get(ob.type) or ob.type == "MESH" and self.casters.reason(instance)
@@ -171,11 +170,9 @@ class Writer:
         if value is None:
             self.level.notes.append(f"light '{place.light.name}' is an area light, which is not baked: use a point, spot or sun light")
             return None
-        name = base = light.name if len(self.light_users[light]) == 1 else place.light.name
-        count = 1
-        while name in self.level.lights:  # instances of one light
-            count += 1
-            name = f"{base} {count}"
+        base = light.name if len(self.light_users[light]) == 1 else place.light.name
+        names = (f"{base} {n}" if n > 1 else base for n in itertools.count(1))  # of instances of one light
+        name = next(name for name in names if name not in self.level.lights)
         self.level.lights[name] = light
         self.level.objects[name].update((place.light.name, place.key[0]))
         index = self.glb.add("lights", value | {"name": name}, "KHR_lights_punctual")

@@ -49,7 +49,8 @@ def view_of(context: Context, seen_from: str) -> View:
     projection = camera.evaluated_get(depsgraph).calc_matrix_camera(depsgraph, x=width, y=height, scale_x=render.pixel_aspect_x,
                                                                     scale_y=render.pixel_aspect_y)
     place, turn, _ = camera.matrix_world.decompose()
-    return View(Matrix.LocRotScale(place, turn, None), projection, width, height)
+    square = max(16, round(height * projection[1][1] / projection[0][0]))  # pixels across, as high as wide
+    return View(Matrix.LocRotScale(place, turn, None), projection, square, height)
 
 
 def centred(view: View) -> tuple[View, int, int, dict[str, Any]]:
@@ -57,17 +58,16 @@ def centred(view: View) -> tuple[View, int, int, dict[str, Any]]:
     is right to a quarter of a pixel."""
     m = view.projection
     wide, high = 1.0 / m[0][0], 1.0 / m[1][1]
-    width = max(16, round(view.height * wide / high))  # pixels are square
     if m[3][2] == 0.0:
         near = (m[2][3] + 1.0) / m[2][2]
         matrix = view.matrix @ Matrix.Translation((-m[0][3] * wide, -m[1][3] * high, 0.0))
         camera = {"xmag": wide, "ymag": high, "znear": max(near, 0.0), "zfar": 1e6}
-        return View(matrix, m, width, view.height), 0, 0, {"type": "orthographic", "orthographic": camera}
-    beside, above = (m[axis][2] * size / 2 for axis, size in ((0, width), (1, view.height)))  # pixels
-    larger = width + 2 * math.ceil(abs(beside)), view.height + 2 * math.ceil(abs(above))
+        return View(matrix, m, view.width, view.height), 0, 0, {"type": "orthographic", "orthographic": camera}
+    beside, above = m[0][2] * view.width / 2, m[1][2] * view.height / 2  # pixels
+    larger = view.width + 2 * math.ceil(abs(beside)), view.height + 2 * math.ceil(abs(above))
     near = m[2][3] / (m[2][2] - 1.0)
     camera = {"yfov": 2.0 * math.atan(high * larger[1] / view.height), "znear": max(near, 1e-4)}
-    left, low = round((larger[0] - width) / 2 + beside), round((larger[1] - view.height) / 2 + above)
+    left, low = round((larger[0] - view.width) / 2 + beside), round((larger[1] - view.height) / 2 + above)
     return View(view.matrix, m, *larger), left, low, {"type": "perspective", "perspective": camera}
 
 
@@ -90,8 +90,7 @@ def draw(context: Context, baked: Baked, view: View, taps: int) -> np.ndarray:
             image.pixels.foreach_get(pixels)
         finally:
             bpy.data.images.remove(image)
-    width = max(16, round(view.height * view.projection[1][1] / view.projection[0][0]))
-    return pixels.reshape(larger.height, larger.width, 4)[low:low + view.height, left:left + width]
+    return pixels.reshape(larger.height, larger.width, 4)[low:low + view.height, left:left + view.width]
 
 
 def keep(pixels: np.ndarray) -> bpy.types.Image:

@@ -90,6 +90,8 @@ def test_a_comparison_with_rays_finds_what_is_wrong(scene, moved, addon, baked):
         assert far > checked / 100 and (255, 13, 13) in map(tuple, addon("colours"))
     addon("run", operator="preview_clear")
     assert addon("datablocks") == before
+    addon("get", expression="[setattr(thing.vxs, 'casts', False) for thing in bpy.data.objects]")
+    assert "Nothing casts shadows" in addon("run", operator="check_error", points=100)
 
 
 @pytest.mark.parametrize("view", ({}, {"roll": 0.4, "shift_x": 0.13, "shift_y": -0.27}, {"sensor_fit": "VERTICAL", "lens": 30},
