@@ -60,18 +60,26 @@ class Work(Action):
         if bpy.app.background or not context.window:
             return self.execute(context)
         self.work_left = self.steps(context)
+        outcome = self.step()  # from now on it is known to run
+        if outcome != {"PASS_THROUGH"}:
+            return outcome
         self.timer = context.window_manager.event_timer_add(0.05, window=context.window)
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
+    def step(self) -> set[str]:
+        try:
+            next(self.work_left)
+        except StopIteration as end:
+            return end.value
+        return {"PASS_THROUGH"}
+
     def modal(self, context: Context, event: Event) -> set[str]:
         outcome = {"PASS_THROUGH"}
         if event.type == "TIMER":
-            try:
-                next(self.work_left)
-            except StopIteration as end:
+            outcome = self.step()
+            if outcome != {"PASS_THROUGH"}:
                 context.window_manager.event_timer_remove(self.timer)
-                outcome = end.value
             for area in (area for window in context.window_manager.windows for area in window.screen.areas):
                 if area.type == "PROPERTIES" or outcome != {"PASS_THROUGH"}:
                     area.tag_redraw()

@@ -10,7 +10,7 @@ import pytest
 from conftest import ROOT
 
 SOURCES = sorted((ROOT / "baker" / "blender").glob("*.py"))
-LINES = 1625  # of code; with previews and exports more than the 1500 that were the aim
+LINES = 1632  # of code; with previews and exports more than the 1500 that were the aim
 LONGEST = 40  # lines of a function
 
 
