@@ -203,7 +203,7 @@ CASES = {
 }
 LIGHTS = [(case, light) for case, of in CASES.items() for light in of["lights"]]
 
-FAULTY = {case: "mesh 1 'broken' primitive 0 (node 1 'broken'): accessor 2: position 2 is not finite: 1 triangles left out"
+FAULTY = {case: "mesh 1 'broken' primitive 0 (node 1 'broken', material 0 'plain'): accessor 2: position 2 is not finite: 1 triangles left out"
           for case in ("nan-vertices", "infinite-vertices")}  # what the warning says
 
 REFUSED = {  # exit status, and what the line says
