@@ -7,10 +7,13 @@ import os
 import pathlib
 import shutil
 import subprocess
+import sys
 
 import pytest
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "cli"))
+from fixtures import ROOT, vxs, vxs_path  # noqa: E402, F401 (fixtures)
+
 FOLDER = pathlib.Path(__file__).resolve().parent
 HOSTS = {"blender": os.environ.get("BLENDER", "blender"),
          **{f"bpy {n + 1}": path for n, path in enumerate(filter(None, os.environ.get("BPY", "").split(":")))}}
@@ -104,23 +107,3 @@ def addon(blender, vxs_path):
     blender("install", path=str(ADDON))
     blender("prefer", vxs=str(vxs_path))
     return blender
-
-
-@pytest.fixture(scope="session")
-def vxs_path():
-    path = (ROOT / os.environ.get("VXS", "build/release/vxs")).resolve()
-    if not path.is_file():
-        pytest.skip(f"no command at {path}: build it, or set VXS")
-    return path
-
-
-@pytest.fixture(scope="session")
-def vxs(vxs_path):
-    """run(*args, input=None, status=0): run the command, check its exit status, return it with text stdout and stderr."""
-
-    def run(*args, input=None, status=0):
-        done = subprocess.run([vxs_path, *map(str, args)], input=input, capture_output=True, text=True, timeout=600)
-        assert done.returncode == status, f"exit status {done.returncode}, expected {status}: {done.stderr}"
-        return done
-
-    return run

@@ -1,22 +1,19 @@
-# What every command-line test needs: the command, and the shared scenes.
-# VXS: the binary (default build/release/vxs).  VXS_SCENES: the shared scenes (default ../shared/scenes beside the checkout).
+# What every command-line test needs beside the command itself (fixtures.py).
 # SPDX-License-Identifier: GPL-3.0-or-later
 import os
 import pathlib
 import pty
 import shutil
 import signal
-import subprocess
 
 import pytest
 
 from browser import Browser
+from fixtures import ROOT, scenes, shared, vxs, vxs_path  # noqa: F401 (fixtures)
 
 # a shell starts what runs in the background with SIGINT ignored, nohup SIGHUP; what we start would ignore them, too
 signal.signal(signal.SIGINT, signal.default_int_handler)
 signal.signal(signal.SIGHUP, signal.SIG_DFL)
-
-ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 EVERY = os.environ.get("VXS_TEST_REPEATS") == "all"  # make check-repeats
 
@@ -57,27 +54,6 @@ def pytest_xdist_make_scheduler(config, log):
 
 
 @pytest.fixture(scope="session")
-def vxs_path():
-    """The binary as an absolute path, for tests that start it themselves."""
-    path = (ROOT / os.environ.get("VXS", "build/release/vxs")).resolve()
-    if not path.is_file():
-        pytest.skip(f"no command at {path}: build it, or set VXS")
-    return path
-
-
-@pytest.fixture(scope="session")
-def vxs(vxs_path):
-    """run(*args, input=None, status=0): run the command, check its exit status, return it with text stdout and stderr."""
-
-    def run(*args, input=None, status=0):
-        done = subprocess.run([vxs_path, *map(str, args)], input=input, capture_output=True, text=True, timeout=600)
-        assert done.returncode == status, f"exit status {done.returncode}, expected {status}: {done.stderr}"
-        return done
-
-    return run
-
-
-@pytest.fixture(scope="session")
 def browser():
     """One for all pages."""
     if not shutil.which("chromium"):
@@ -85,20 +61,6 @@ def browser():
     started = Browser()
     yield started
     started.close()
-
-
-def shared(name):
-    """A folder of the shared ones: VXS_SCENES or VXS_CASES, or ../shared/NAME beside the checkout."""
-    variable = f"VXS_{name.upper()}"
-    path = pathlib.Path(os.environ.get(variable, ROOT.parent / "shared" / name))
-    if not path.is_dir():
-        pytest.skip(f"no shared {name} at {path}: set {variable}")
-    return path
-
-
-@pytest.fixture(scope="session")
-def scenes():
-    return shared("scenes")
 
 
 @pytest.fixture(scope="session")

@@ -5,14 +5,16 @@ import itertools
 import json
 import math
 import random
+import resource
 import struct
-import zlib
+import subprocess
 
 import jsonschema
 import pytest
 
 import small_scene
 from conftest import EVERY, ROOT
+from png import read_grey16
 from small_scene import NOON
 from test_format import BlocksLight, Light
 
@@ -64,28 +66,11 @@ class Exported:
         if entry["file"].endswith(".f32"):
             flat = struct.unpack(f"<{side * side}f", data)
         else:
-            flat = [value / 65535 for value in grey16(data, side)]
+            width, height, rows = read_grey16(data)
+            assert (width, height) == (side, side)
+            flat = [value / 65535 for row in rows for value in row]
         assert len(flat) == side * side
         return entry, [flat[side * y:side * (y + 1)] for y in range(side)]
-
-
-def grey16(data, side):
-    """The values of a PNG of 16-bit grey."""
-    assert data[:8] == b"\x89PNG\r\n\x1a\n" and struct.unpack_from(">II5B", data, 16) == (side, side, 16, 0, 0, 0, 0)
-    at, packed = 8, b""
-    while at < len(data):
-        length, kind = struct.unpack_from(">I4s", data, at)
-        packed += data[at + 8:at + 8 + length] if kind == b"IDAT" else b""
-        at += 12 + length
-    raw, stride, above = zlib.decompress(packed), 2 * side, bytes(2 * side)
-    for y in range(side):
-        kind, row = raw[y * (stride + 1)], bytearray(raw[y * (stride + 1) + 1:(y + 1) * (stride + 1)])
-        for x in range(stride):
-            a, b, c = row[x - 2] if x >= 2 else 0, above[x], above[x - 2] if x >= 2 else 0
-            nearest = min((abs(b - c), 0, a), (abs(a - c), 1, b), (abs(a + b - 2 * c), 2, c))[2]
-            row[x] = (row[x] + (0, a, b, (a + b) // 2, nearest)[kind]) & 255
-        yield from struct.unpack(f">{side}H", row)
-        above = row
 
 
 def answers(vxs, path, points, *options):
@@ -191,8 +176,6 @@ def test_what_cannot_be_exported(vxs, lamps, tmp_path):
 
 
 def test_a_full_disk_leaves_what_was_there(vxs_path, lamps, tmp_path, vxs):
-    import resource
-    import subprocess
     vxs("export", lamps, "-o", tmp_path)
     before = (tmp_path / "words.bin").read_bytes()
     done = subprocess.run([vxs_path, "export", lamps, "-o", tmp_path], capture_output=True, text=True,

@@ -1,10 +1,8 @@
 # The add-on in Godot's web template in Chromium (project.py); skipped where one of them is missing.
 # SPDX-License-Identifier: GPL-3.0-or-later
-import os
 import pathlib
 import re
 import shutil
-import subprocess
 import sys
 
 import pytest
@@ -12,6 +10,7 @@ import pytest
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "cli"))
 import project  # noqa: E402
 from browser import Browser  # noqa: E402
+from fixtures import scenes, vxs, vxs_path  # noqa: E402, F401 (fixtures)
 
 ROOT = project.ROOT
 EVERY = False  # of voxels.py
@@ -40,20 +39,3 @@ def godot():
     browser, server, addon = Browser(FLAGS, project.WAIT_S), project.Server(), addon_files()
     yield lambda files: project.run(browser, server, addon | files)
     browser.close()
-
-
-@pytest.fixture(scope="session")
-def vxs():
-    """run(*args): what the command prints."""
-    path = (ROOT / os.environ.get("VXS", "build/release/vxs")).resolve()
-    if not path.is_file():
-        pytest.skip(f"no command at {path}: build it, or set VXS")
-    return lambda *args: subprocess.run([path, *map(str, args)], stdout=subprocess.PIPE, text=True, check=True).stdout
-
-
-@pytest.fixture(scope="session")
-def scenes():
-    path = pathlib.Path(os.environ.get("VXS_SCENES", ROOT.parent / "shared" / "scenes"))
-    if not path.is_dir():
-        pytest.skip(f"no shared scenes at {path}: set VXS_SCENES")
-    return path
