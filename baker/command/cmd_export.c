@@ -12,7 +12,7 @@
 #include "baker/command/light_text.h"
 #include "baker/command/options/options.h"
 #include "baker/files/json_file.h"
-#include "baker/files/run_files.h"
+#include "baker/files/output_file.h"
 
 #define EXPORT_NAMES "shadows.json|words.bin|lights.bin|depth-*.png|depth-*.f32"
 
@@ -46,7 +46,7 @@ static vxs_result write_words(const export_command *c, run_context *m)
 {
     static const uint32_t spare[VXS_BLOCKS_SPARE_WORDS];
     output_file           out = {0};
-    vxs_result            r   = export_open(&out, c->folder, "words.bin", m);
+    vxs_result            r   = output_file_open_in_folder(&out, "-o", c->folder, "words.bin", m);
     for (uint32_t n = 0; n < c->light_count && r == VXS_OK; n++)
         r = output_file_write(&out, c->lights[n]->words, 4 * (size_t)c->lights[n]->word_count, m);
     if (r == VXS_OK) r = output_file_write(&out, spare, sizeof spare, m);
@@ -58,7 +58,7 @@ static vxs_result write_words(const export_command *c, run_context *m)
 static vxs_result write_constants(const export_command *c, run_context *m)
 {
     output_file out = {0};
-    vxs_result  r   = export_open(&out, c->folder, "lights.bin", m);
+    vxs_result  r   = output_file_open_in_folder(&out, "-o", c->folder, "lights.bin", m);
     for (uint32_t n = 0; n < c->light_count && r == VXS_OK; n++) {
         vxs_light light = c->lights[n]->light;
         export_turn(light.ls_from_ws, 3, c->axes);
@@ -113,15 +113,9 @@ static vxs_result write_json(const export_command *c, run_context *m)
         json_append(&lights, entry);
     }
     json_set(&root, "lights", lights);
-    output_file out  = {0};
-    char       *text = root ? json_whole_text(root, JSON_INDENT(2)) : NULL;
-    if (r == VXS_OK && !text) r = fail(m, VXS_E_MEMORY, "out of memory for shadows.json");
-    if (r == VXS_OK) r = export_open(&out, c->folder, "shadows.json", m);
-    if (r == VXS_OK) r = output_file_write(&out, text, strlen(text), m);
-    if (r == VXS_OK) r = output_file_write(&out, "\n", 1, m);
-    if (r == VXS_OK) r = output_file_commit(&out, m);
-    output_file_abort(&out);
-    free(text);
+    output_file out = {0};
+    if (r == VXS_OK) r = output_file_open_in_folder(&out, "-o", c->folder, "shadows.json", m);
+    if (r == VXS_OK) return json_write_opened(&out, root, 17, m);
     json_decref(root);
     return r;
 }

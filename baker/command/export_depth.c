@@ -9,7 +9,6 @@
 #include "baker/base/portable_math.h"
 #include "baker/files/json_file.h"
 #include "baker/files/png_rows.h"
-#include "baker/files/run_files.h"
 #include "baker/light/map_space.h"
 #include "runtime/vxs_query.h"
 
@@ -27,15 +26,6 @@ json_t *export_numbers(const double *numbers, int count)
     json_t *array = json_array();
     for (int n = 0; n < count; n++) json_append(&array, json_real(numbers[n]));
     return array;
-}
-
-vxs_result export_open(output_file *out, const char *folder, const char *name, run_context *m)
-{
-    char path[4096];
-    if ((size_t)snprintf(path, sizeof path, "%s/%s", folder, name) >= sizeof path)
-        return fail(m, VXS_E_WRITE, "-o %s: the path is too long", folder);
-    vxs_result r = run_files_check_write_in_folder("-o", path, m);
-    return r == VXS_OK ? output_file_open(out, path, m) : r;
 }
 
 /* matrices --------------------------------------------------------------------------------------------------------------------- */
@@ -159,7 +149,7 @@ static vxs_result write_map(depth_writer *w, const char *folder, const char *nam
     w->depths       = malloc(texels * sizeof *w->depths);
     if (!w->depth_of || !w->voxels || !w->depths) return fail(m, VXS_E_MEMORY, "out of memory for %s", name);
     fill_depths(w);
-    vxs_result r = export_open(&w->out, folder, name, m);
+    vxs_result r = output_file_open_in_folder(&w->out, "-o", folder, name, m);
     if (r == VXS_OK && format == EXPORT_PNG) r = png_rows_open(&w->png, &w->out, w->side_px, w->side_px, m);
     for (uint32_t row = 0; row < w->side_px && r == VXS_OK; row += band)
         r = write_band(w, row, band < w->side_px - row ? band : w->side_px - row, m);

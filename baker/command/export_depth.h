@@ -6,7 +6,6 @@
 #include <jansson.h>
 
 #include "baker/base/run_context.h"
-#include "baker/files/output_file.h"
 #include "formats/vxs_file.h"
 
 /* World space of an engine, as the importers of these engines read glTF: Godot as it is; Unity (glTFast, UnityGLTF) with -x;
@@ -30,13 +29,11 @@ void export_turn(double *rows, int row_count, export_axes axes);
 /* An array of numbers. NULL without memory. */
 json_t *export_numbers(const double *numbers, int count);
 
-/* Open `name` in the output folder. Returns as output_file_open; VXS_E_ARGUMENT also when it is an input. */
-vxs_result export_open(output_file *out, const char *folder, const char *name, run_context *m);
-
 /* Write the depth map of a map of a light, in bands of rows: memory follows the length of a row.
  * entry   [out] its description (docs/export.schema.json); NULL on failure
  * number  of the light in the export; part of the file's name
- * Returns VXS_OK, VXS_E_ARGUMENT (an input would be overwritten), VXS_E_WRITE, VXS_E_MEMORY. VXS_E_ARGUMENT also for PNG in a build that writes none. */
+ * Returns VXS_OK, VXS_E_ARGUMENT (an input would be overwritten), VXS_E_WRITE, VXS_E_MEMORY. VXS_E_ARGUMENT
+ * also for PNG in a build that writes none. */
 vxs_result export_depth_map(json_t **entry, const char *folder, const vxs_baked_light *baked, uint32_t number, int map,
                             const export_depth *depth, export_axes axes, run_context *m);
 

@@ -41,16 +41,23 @@ char *json_print(const json_t *value, size_t flags)
     return NULL;
 }
 
+vxs_result json_write_opened(output_file *out, json_t *value, int digits, run_context *m)
+{
+    char      *text = value ? json_print(value, JSON_INDENT(2) | JSON_REAL_PRECISION(digits)) : NULL;
+    vxs_result r    = text ? output_file_write(out, text, strlen(text), m) : fail(m, VXS_E_MEMORY, "out of memory for JSON");
+    if (r == VXS_OK) r = output_file_write(out, "\n", 1, m);
+    if (r == VXS_OK) r = output_file_commit(out, m);
+    output_file_abort(out);
+    free(text);
+    json_decref(value);
+    return r;
+}
+
 vxs_result json_write(const char *path, json_t *value, run_context *m)
 {
-    char       *text = value ? json_print(value, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) : NULL;
-    output_file out  = {0};
-    vxs_result  r    = text ? output_file_open(&out, path, m) : fail(m, VXS_E_MEMORY, "out of memory for JSON");
-    if (r == VXS_OK) r = output_file_write(&out, text, strlen(text), m);
-    if (r == VXS_OK) r = output_file_write(&out, "\n", 1, m);
-    if (r == VXS_OK) r = output_file_commit(&out, m);
-    output_file_abort(&out);
-    free(text);
+    output_file out = {0};
+    vxs_result  r   = output_file_open(&out, path, m);
+    if (r == VXS_OK) return json_write_opened(&out, value, 9, m);
     json_decref(value);
     return r;
 }

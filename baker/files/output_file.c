@@ -183,6 +183,16 @@ vxs_result output_file_open(output_file *f, const char *path, run_context *m)
     return r;
 }
 
+vxs_result output_file_open_in_folder(output_file *f, const char *option, const char *folder, const char *name, run_context *m)
+{
+    char path[PATH_MAX];
+    *f = (output_file){0};
+    if ((size_t)snprintf(path, sizeof path, "%s/%s", folder, name) >= sizeof path)
+        return fail(m, VXS_E_WRITE, "%s %s: the path is too long", option, folder);
+    vxs_result r = run_files_check_write_in_folder(option, path, m);
+    return r == VXS_OK ? output_file_open(f, path, m) : r;
+}
+
 vxs_result output_file_check(const char *path, run_context *m)
 {
     struct stat out;

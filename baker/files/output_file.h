@@ -55,6 +55,11 @@ typedef struct output_file {
  * VXS_E_MEMORY. On failure m has the reason. */
 vxs_result output_file_open(output_file *f, const char *path, run_context *m);
 
+/* The same for a file in an output folder of the run (run_files_add_folder).
+ * option  that gives the folder, for messages: "--passes"
+ * Also returns VXS_E_ARGUMENT when the file is an output of another option, and VXS_E_WRITE when its path is too long. */
+vxs_result output_file_open_in_folder(output_file *f, const char *option, const char *folder, const char *name, run_context *m);
+
 /* Check before long work that the file can be written. Same as output_file_open followed by output_file_abort, but does not open
  * devices or pipes. */
 vxs_result output_file_check(const char *path, run_context *m);

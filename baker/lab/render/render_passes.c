@@ -16,7 +16,6 @@
 #include "baker/base/vec3.h"
 #include "baker/files/output_file.h"
 #include "baker/files/png_encode.h"
-#include "baker/files/run_files.h"
 #include "baker/lab/render/exr_encode.h"
 #include "baker/lab/truth/truth.h"
 #include "baker/light/map_space.h"
@@ -53,14 +52,11 @@ static const uint8_t nothing[3] = {255, 0, 255};
 /* bytes  [size] of the picture, freed here; NULL: out of memory */
 static vxs_result write_file(const passes *p, const char *name, const char *extension, uint8_t *bytes, size_t size, run_context *m)
 {
-    char        path[4096];
+    char        file[256];
     output_file out = {0};
-    vxs_result  r   = VXS_OK;
-    if ((size_t)snprintf(path, sizeof path, "%s/%s%s", p->folder, name, extension) >= sizeof path)
-        r = fail(m, VXS_E_WRITE, "--passes %s: the path is too long", p->folder);
-    if (r == VXS_OK)
-        r = bytes ? run_files_check_write_in_folder("--passes", path, m) : fail(m, VXS_E_MEMORY, "out of memory for %s", path);
-    if (r == VXS_OK) r = output_file_open(&out, path, m);
+    vxs_result  r   = bytes ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for %s%s of %s", name, extension, p->folder);
+    snprintf(file, sizeof file, "%s%s", name, extension);
+    if (r == VXS_OK) r = output_file_open_in_folder(&out, "--passes", p->folder, file, m);
     if (r == VXS_OK) r = output_file_write(&out, bytes, size, m);
     if (r == VXS_OK) r = output_file_commit(&out, m);
     output_file_abort(&out);
