@@ -169,6 +169,7 @@ vxs_result run_files_check_input(const char *path, const char *what, run_context
 {
     run_files *f = m->files;
     if (!f) return VXS_OK;
+    if (f->seen) f->seen(f->seen_user, path);
     file_identity     in = identify(path, STDIN_FILENO), shown = identify("-", STDOUT_FILENO);
     const run_output *o = find_output(f, &in);
     if (o) return is_the_input(o->option, o->path, what, m);

@@ -63,6 +63,9 @@ typedef struct run_files {
     int         links;  /* 1: some held file is a symbolic link */
     run_input  *inputs; /* [input_count] */
     size_t      input_count, input_capacity;
+    void (*seen)(void       *user,
+                 const char *path); /* gets the path of each input that is checked, also of a missing one; NULL: not wanted */
+    void *seen_user;
 } run_files;
 
 /* Declare an output of the run, in m->files. The path "-" is standard output.

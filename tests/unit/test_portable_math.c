@@ -10,6 +10,7 @@
 #include "baker/base/random.h"
 #include "repeats.h"
 
+double web_exp(double x);
 #define exp web_exp /* that of the runtime as WebAssembly */
 #include "runtime/web/exponential.c"
 #undef exp
