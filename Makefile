@@ -363,7 +363,7 @@ $(CHART_JS): ; # it may come with a package that is yet to be installed
 
 # --- demo, check, bench: on a bare system, and with all processors ----------------------------------------------------------
 
-ifneq ($(filter demo check check-fast check-unit check-asan check-repeats check-sanitizers bench deb $(web.goals) packages,$(MAKECMDGOALS)),)
+ifneq ($(filter demo check check-fast check-unit check-asan check-repeats check-sanitizers bench deb wheel $(web.goals) packages,$(MAKECMDGOALS)),)
 jobs := $(if $(findstring -j,$(MAKEFLAGS)),,-j$(shell nproc))
 MAKEFLAGS += $(jobs)
 $(objects) $(gltf.gch) build/corpus: | packages # nothing is compiled before the headers are there, or unpacked before python3 is
@@ -371,7 +371,8 @@ endif
 
 # `make demo` compiles no tests, and needs none of their packages
 tested = $(filter check check-fast check-unit check-asan check-repeats check-sanitizers bench packages,$(MAKECMDGOALS))
-needed = $(packages.build) $(if $(tested),$(packages.test)) $(if $(tested)$(filter deb,$(MAKECMDGOALS)),$(packages.deb)) $(if $(filter $(web.goals),$(MAKECMDGOALS)),$(packages.web))
+needed = $(if $(filter-out amalgamation,$(MAKECMDGOALS)),$(packages.build)) $(if $(filter wheel,$(MAKECMDGOALS)),$(packages.wheel)) \
+         $(if $(filter amalgamation,$(MAKECMDGOALS)),$(packages.amalgamation)) $(if $(tested),$(packages.test)) $(if $(tested)$(filter deb,$(MAKECMDGOALS)),$(packages.deb)) $(if $(filter $(web.goals),$(MAKECMDGOALS)),$(packages.web))
 packages:
 ifneq ($(packages),skip)
 	@here=$$(dpkg-query -W -f '$${Package} $${db:Status-Status}\n' $(needed) 2>/dev/null | sed -n 's/ installed$$//p'); \

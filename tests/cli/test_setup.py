@@ -106,6 +106,13 @@ def test_deb_installs_what_makes_packages(system):
     assert log == "apt-get install -y --no-install-recommends dpkg-dev\n"
 
 
+def test_a_wheel_and_the_joined_sources_install_what_they_need(system):
+    _, _, log = system("wheel", "B=build/no-such-tree", here=packages("build"), status=100)
+    assert log == "apt-get install -y --no-install-recommends python3-venv\n"
+    _, _, log = system("amalgamation", here=(), status=100)
+    assert log == "apt-get install -y --no-install-recommends python3 dpkg-dev\n"
+
+
 @pytest.mark.parametrize("check, asan, web, status, last", [
     ("7 passed, 0 failed", "5 passed, 0 failed", "2 passed, 0 failed", 0, "14 passed, 0 failed"),
     ("7 passed, 0 failed, 2 skipped", "5 passed, 0 failed", "2 passed, 0 failed, 1 skipped", 0, "14 passed, 0 failed, 3 skipped"),
