@@ -9,8 +9,8 @@ import numpy as np
 
 from .level import Gatherer, Surface
 
-NAME = "vxs preview"  # of all its datablocks; MARK tells them from others of that name
-MARK = "vxs_preview"
+NAME = "vxs preview"  # name of all datablocks of the preview
+MARK = "vxs_preview"  # their custom property, as other datablocks may have that name
 
 Ask = Callable[[np.ndarray, np.ndarray], np.ndarray]  # points and normals [count, 3] -> how lit [count, lights]
 Width = Callable[[np.ndarray], np.ndarray]  # points [count, 3] -> side of a texel there, in metres

@@ -12,7 +12,7 @@ const temporary = new Set();
 let isEnded = false;
 let endThreads = () => {};
 
-/** The number that --threads asks for; the command itself checks it. */
+/** The value of --threads; 1 where it is missing or no number. The command reports a wrong one. */
 function threadsOf(line) {
   const at = line.findLastIndex((a) => /^--threads(=|$)/.test(a));
   return at < 0 ? 1 : Number(line[at].split('=')[1] ?? line[at + 1]) || 1;

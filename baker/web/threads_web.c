@@ -137,7 +137,7 @@ int pthread_join(pthread_t thread, void **result)
 {
     worker *w = (worker *)thread;
     while (atomic_load(&w->state) != DONE) wait_while(w, BUSY);
-    if (result) *result = NULL; /* no caller asks for it */
+    if (result) *result = NULL; /* results of threads are not kept: no caller uses them */
     atomic_store(&w->state, IDLE);
     return 0;
 }

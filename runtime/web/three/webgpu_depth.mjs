@@ -7,7 +7,7 @@ import { int, ivec2, screenCoordinate, textureLoad, vec4 } from 'three/tsl';
 import { VXSError } from 'vxs';
 import { depthsOf, fillSlot, isShort } from './depth.mjs';
 
-/** Set the shadow node of a light, or none. three.js keeps what it made of the one before until it is told. */
+/** Sets or removes the shadow node of a light. three.js keeps the node of a light until the light sends an event. */
 export function setShadowNode(light, node) {
   if (node) light.shadow.shadowNode = node;
   else delete light.shadow.shadowNode;
