@@ -100,7 +100,7 @@ def blender(program, tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def addon(blender, vxs_path):
+def addon(blender, vxs_path):  # noqa: F811 (a fixture)
     """The same, with the add-on installed from its zip, and the command in its preferences."""
     if not ADDON.is_file():
         pytest.skip(f"no add-on at {ADDON}: make blender")
