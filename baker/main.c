@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "baker/base/nearest.h"
+#include "baker/base/parallel.h"
 #include "baker/base/version.h"
 #include "baker/command/commands.h"
 #include "baker/command/options/help.h"
@@ -82,7 +83,15 @@ static int run(int argc, char **argv)
     return unknown_command(name);
 }
 
+static int run_with_threads(int argc, char **argv)
+{
+    thread_pool *pool   = parallel_keep_threads();
+    int          status = run(argc, argv);
+    parallel_end_threads(pool);
+    return status;
+}
+
 int main(int argc, char **argv)
 {
-    return process_run(run, argc, argv);
+    return process_run(run_with_threads, argc, argv);
 }

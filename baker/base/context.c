@@ -19,12 +19,20 @@ const char *bake_stage_name(bake_stage stage)
     return stage_names[stage];
 }
 
+typedef struct memory_use {
+    uint64_t peak, held;
+} memory_use;
+
+static memory_use memory_now(void)
+{
+    return (memory_use){memory_peak_bytes(), memory_held_bytes()};
+}
+
 /* Does not reset the system's high-water mark, because the program around the baker may use it. For a stage that does not raise the
  * peak, only the memory at its begin and end is known. */
-static uint64_t stage_peak(const bake_context *ctx)
+static uint64_t stage_peak(const bake_context *ctx, memory_use now)
 {
-    uint64_t peak = memory_peak_bytes(), held = memory_held_bytes(); /* both, so that all runs make the same calls */
-    return peak > ctx->past_peak ? peak : max_u64(ctx->held_bytes, held);
+    return now.peak > ctx->past_peak ? now.peak : max_u64(ctx->held_bytes, now.held);
 }
 
 static void note_peak(bake_context *ctx, bake_stage stage, uint64_t peak_bytes)
@@ -34,34 +42,36 @@ static void note_peak(bake_context *ctx, bake_stage stage, uint64_t peak_bytes)
     if (stage < STAGE_COUNT && peak_bytes > ctx->peak_bytes) ctx->peak_bytes = peak_bytes;
 }
 
-static void enter(bake_context *ctx, bake_stage stage)
+static void enter(bake_context *ctx, bake_stage stage, memory_use now)
 {
     ctx->at          = stage;
-    ctx->held_bytes  = stage == STAGE_NONE ? 0 : memory_held_bytes();
-    ctx->past_peak   = stage == STAGE_NONE ? 0 : memory_peak_bytes();
+    ctx->held_bytes  = now.held;
+    ctx->past_peak   = now.peak;
     ctx->stage_since = stage == STAGE_NONE ? 0 : clock_seconds();
 }
 
 void stage_begin(bake_context *ctx, bake_stage stage)
 {
-    if (ctx->stage_since > 0) {
+    const int  ends = ctx->stage_since > 0;
+    memory_use now  = ends || stage != STAGE_NONE ? memory_now() : (memory_use){0};
+    if (ends) {
         ctx->stage[ctx->at].seconds += clock_seconds() - ctx->stage_since;
-        note_peak(ctx, ctx->at, stage_peak(ctx));
+        note_peak(ctx, ctx->at, stage_peak(ctx, now));
     }
-    enter(ctx, stage);
+    enter(ctx, stage, now);
 }
 
 void stage_begin_after(bake_context *ctx, bake_stage stage, bake_stage first, const double *seconds, uint32_t count)
 {
-    double   wall = clock_seconds() - ctx->stage_since, all = 0;
-    uint64_t peak = stage_peak(ctx);
+    double     wall = clock_seconds() - ctx->stage_since, all = 0;
+    memory_use now = memory_now();
     for (uint32_t n = 0; n < count; n++) all += seconds[n];
     for (uint32_t n = 0; n < count; n++) {
         if (all > 0 && seconds[n] <= 0) continue;
         ctx->stage[first + n].seconds += all > 0 ? wall * seconds[n] / all : wall / count;
-        note_peak(ctx, (bake_stage)(first + n), peak);
+        note_peak(ctx, (bake_stage)(first + n), stage_peak(ctx, now));
     }
-    enter(ctx, stage);
+    enter(ctx, stage, now);
 }
 
 vxs_result context_check(const bake_context *ctx)

@@ -3,6 +3,7 @@
 #include "baker/base/parallel.h"
 
 #include <stdatomic.h>
+#include <stdlib.h>
 
 #include "baker/base/integer.h"
 #include "baker/base/run_control.h"
@@ -17,42 +18,178 @@ typedef struct loop {
     void (*body)(void *user, size_t begin, size_t end, uint32_t worker);
     void        *user;
     run_control *run_control; /* the caller's run */
+    uint32_t     called;      /* threads that are called to the loop and have not ended their work; under the pool's lock */
 } loop;
 
-typedef struct worker {
-    loop     *shared;
-    uint32_t  index;
-    os_thread thread;
-} worker;
+/* The pool of the calling thread; NULL: none. */
+static _Thread_local thread_pool *current;
 
-static void work(const worker *w)
+static void work(loop *l, uint32_t worker)
 {
-    loop *l = w->shared;
     for (;;) {
         run_control_wait();
         size_t chunk = atomic_fetch_add_explicit(&l->next, 1, memory_order_relaxed);
         if (chunk >= l->chunk_count) return;
         size_t begin = chunk * l->grain;
         size_t end   = l->count - begin > l->grain ? begin + l->grain : l->count;
-        l->body(l->user, begin, end, w->index);
+        l->body(l->user, begin, end, worker);
     }
 }
 
-static void *work_on_thread(void *argument)
+/* pools ----------------------------------------------------------------------------------------------------------------------- */
+
+/* A thread of a pool. Its fields are under the pool's lock. */
+typedef struct pool_thread {
+    thread_pool        *pool;
+    os_thread           thread;
+    os_signal           wake;
+    loop               *loop;   /* the loop to which it is called, and in which it has not begun to work; NULL: none */
+    uint32_t            worker; /* its number in that loop */
+    struct pool_thread *next;   /* idle thread after it */
+} pool_thread;
+
+struct thread_pool {
+    os_mutex     lock;
+    os_signal    done; /* a loop has no called threads any more */
+    pool_thread  threads[PARALLEL_THREADS_MAX - 1];
+    uint32_t     count; /* started threads */
+    pool_thread *idle;
+    int          ends; /* 1: threads without a loop end */
+};
+
+static void become_idle(pool_thread *t)
 {
-    const worker *w = argument;
-    run_control_enter(w->shared->run_control);
-    work(w);
-    run_control_leave(w->shared->run_control);
+    t->next       = t->pool->idle;
+    t->pool->idle = t;
+}
+
+static void leave_loop(loop *l, thread_pool *pool)
+{
+    if (!--l->called) os_wake_all(&pool->done);
+}
+
+static void *run_pool_thread(void *argument)
+{
+    pool_thread *t    = argument;
+    thread_pool *pool = t->pool;
+    current           = pool;
+    os_lock(&pool->lock);
+    for (;;) {
+        while (!t->loop && !pool->ends) os_wait(&t->wake, &pool->lock);
+        if (!t->loop) break;
+        loop    *l      = t->loop;
+        uint32_t worker = t->worker;
+        t->loop         = NULL;
+        os_unlock(&pool->lock);
+        run_control_enter(l->run_control);
+        work(l, worker);
+        run_control_leave(l->run_control);
+        os_lock(&pool->lock);
+        leave_loop(l, pool);
+        become_idle(t);
+    }
+    os_unlock(&pool->lock);
     return NULL;
 }
+
+/* Start a thread that is called to a loop. Returns 0 when there is none. */
+static int start_thread(thread_pool *pool, loop *l, uint32_t worker)
+{
+    if (pool->count == sizeof pool->threads / sizeof *pool->threads) return 0;
+    pool_thread *t = &pool->threads[pool->count];
+    *t             = (pool_thread){.pool = pool, .loop = l, .worker = worker};
+    os_signal_init(&t->wake);
+    if (!os_thread_start(&t->thread, run_pool_thread, t)) {
+        os_signal_free(&t->wake);
+        return 0;
+    }
+    pool->count++;
+    return 1;
+}
+
+/* Call threads to a loop: idle ones, then new ones. */
+static void call_threads(thread_pool *pool, loop *l, uint32_t threads)
+{
+    os_lock(&pool->lock);
+    for (uint32_t worker = 1; worker < threads; worker++, l->called++) {
+        pool_thread *t = pool->idle;
+        if (!t && !start_thread(pool, l, worker)) break;
+        if (!t) continue;
+        pool->idle = t->next;
+        t->loop    = l;
+        t->worker  = worker;
+        os_wake_all(&t->wake);
+    }
+    os_unlock(&pool->lock);
+}
+
+/* Wait for the threads that work in a loop, and call off those that have not begun. */
+static void end_calls(thread_pool *pool, loop *l)
+{
+    os_lock(&pool->lock);
+    for (pool_thread *t = pool->threads; t < pool->threads + pool->count; t++) {
+        if (t->loop != l) continue;
+        t->loop = NULL;
+        l->called--;
+        become_idle(t);
+    }
+    if (l->called) {
+        run_control_leave(l->run_control); /* waiting for the other threads does not count as work */
+        while (l->called) os_wait(&pool->done, &pool->lock);
+        os_unlock(&pool->lock);
+        run_control_enter(l->run_control);
+    } else {
+        os_unlock(&pool->lock);
+    }
+}
+
+/* ends  1: threads end after one loop */
+static void pool_init(thread_pool *pool, int ends)
+{
+    os_mutex_init(&pool->lock);
+    os_signal_init(&pool->done);
+    pool->count = 0;
+    pool->idle  = NULL;
+    pool->ends  = ends;
+}
+
+static void pool_free(thread_pool *pool)
+{
+    os_lock(&pool->lock);
+    pool->ends = 1;
+    for (uint32_t n = 0; n < pool->count; n++) os_wake_all(&pool->threads[n].wake);
+    os_unlock(&pool->lock);
+    for (uint32_t n = 0; n < pool->count; n++) {
+        os_thread_join(pool->threads[n].thread);
+        os_signal_free(&pool->threads[n].wake);
+    }
+    os_signal_free(&pool->done);
+    os_mutex_free(&pool->lock);
+}
+
+thread_pool *parallel_keep_threads(void)
+{
+    thread_pool *pool = current ? NULL : malloc(sizeof *pool);
+    if (!pool) return NULL;
+    pool_init(pool, 0);
+    return current = pool;
+}
+
+void parallel_end_threads(thread_pool *pool)
+{
+    if (!pool) return;
+    current = NULL;
+    pool_free(pool);
+    free(pool);
+}
+
+/* loops ----------------------------------------------------------------------------------------------------------------------- */
 
 void parallel_for(uint32_t threads, size_t count, size_t grain, void (*body)(void *user, size_t begin, size_t end, uint32_t worker),
                   void *user)
 {
     if (!count) return;
     if (!grain) grain = 1;
-    if (threads < 1) threads = 1;
     if (threads > PARALLEL_THREADS_MAX) threads = PARALLEL_THREADS_MAX;
 
     loop l = {.chunk_count = (count - 1) / grain + 1,
@@ -63,22 +200,17 @@ void parallel_for(uint32_t threads, size_t count, size_t grain, void (*body)(voi
               .run_control = run_control_current()};
     atomic_init(&l.next, 0);
     if (threads > l.chunk_count) threads = (uint32_t)l.chunk_count;
-
-    /* the caller is worker 0; after the first failure no more threads are started */
-    worker   workers[PARALLEL_THREADS_MAX];
-    uint32_t started = 1;
-    workers[0]       = (worker){.shared = &l, .index = 0};
-    while (started < threads) {
-        worker *w = &workers[started];
-        *w        = (worker){.shared = &l, .index = started};
-        if (!os_thread_start(&w->thread, work_on_thread, w)) break;
-        started++;
+    if (threads < 2) {
+        work(&l, 0);
+        return;
     }
-    work(&workers[0]);
-    if (started == 1) return;
-    run_control_leave(l.run_control); /* waiting for the other threads does not count as work */
-    for (uint32_t i = 1; i < started; i++) os_thread_join(workers[i].thread);
-    run_control_enter(l.run_control);
+
+    thread_pool own, *pool = current;
+    if (!pool) pool_init(pool = &own, 1);
+    call_threads(pool, &l, threads);
+    work(&l, 0);
+    end_calls(pool, &l);
+    if (pool == &own) pool_free(&own);
 }
 
 typedef struct lent_loop {

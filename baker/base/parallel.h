@@ -15,6 +15,17 @@ extern "C" {
 /* Upper limit of the threads of one loop. */
 #define PARALLEL_THREADS_MAX 256
 
+/* Threads that wait for the next loop between loops, so that a loop need not start its own: starting one takes longer than many
+ * loops. They are started by the loops that need them. */
+typedef struct thread_pool thread_pool;
+
+/* Let the loops of the calling thread, and loops inside them, share a pool until parallel_end_threads, which the same thread calls.
+ * Returns NULL, and changes nothing, if the thread has a pool or there is no memory. A child of a fork must not use its parent's. */
+thread_pool *parallel_keep_threads(void);
+
+/* Accepts NULL. */
+void parallel_end_threads(thread_pool *pool);
+
 /* Call body(user, begin, end, worker) for ranges that cover [0, count) exactly once.
  * threads  at most this many ranges run at once; 0 and 1: only the calling thread; at most PARALLEL_THREADS_MAX
  * grain    maximum length of a range; 0 means 1

@@ -8,6 +8,7 @@
 
 #include "baker/bake/bake.h"
 #include "baker/base/clock.h"
+#include "baker/base/parallel.h"
 #include "baker/library/array_scene.h"
 #include "runtime/vxs.h"
 
@@ -125,9 +126,11 @@ vxs_result bake_run_guarded(bake_run *run, vxs_result (*work)(bake_run *run, voi
     fenv_t callers;
     fegetenv(&callers);
     fesetenv(FE_DFL_ENV);
+    thread_pool *pool = parallel_keep_threads();
     run_control_enter(&run->run_control);
     vxs_result r = run_control_is_cancelled() ? fail(&run->m, VXS_E_INTERRUPTED, "given up before it was begun") : work(run, user);
     run_control_leave(&run->run_control);
+    parallel_end_threads(pool);
     fesetenv(&callers);
     return r;
 }
