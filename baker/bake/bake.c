@@ -8,9 +8,9 @@
 #include <string.h>
 
 #include "baker/bake/bake_light.h"
+#include "baker/bake/bake_lights.h"
 #include "baker/bake/bake_squares.h"
 #include "baker/bake/light_coder.h"
-#include "baker/bake/light_columns.h"
 #include "baker/bake/provenance.h"
 #include "baker/bake/scene_warnings.h"
 #include "baker/base/box.h"
@@ -55,87 +55,6 @@ static vxs_result bake_points(vxs_points_view *view, const casters *c, uint32_t 
 
 /* The renderer's name if nothing was rendered. */
 #define SPARSE_RENDERER "none: straight from triangles"
-
-/* pictures -------------------------------------------------------------------------------------------------------------------- */
-
-/* Keep the picture of a light that is one of the largest so far; release that of a smaller one. */
-static void keep_picture(bake_report *report, const coded_light *coded, light_picture *picture)
-{
-    light_picture *least = &report->pictures[0];
-    if (report->picture_count < PICTURES_MAX) {
-        report->pictures[report->picture_count++] = *picture;
-        return;
-    }
-    for (uint32_t n = 1; n < PICTURES_MAX; n++)
-        if (coded[report->pictures[n].light].memory_bytes < coded[least->light].memory_bytes) least = &report->pictures[n];
-    if (coded[picture->light].memory_bytes <= coded[least->light].memory_bytes) {
-        light_picture_free(picture);
-        return;
-    }
-    light_picture_free(least);
-    *least = *picture;
-}
-
-/* the lights ------------------------------------------------------------------------------------------------------------------ */
-
-/* picture  NULL: not wanted */
-static vxs_result bake_planned(const bake_options *o, const bake_plan *plan, const plan_light *planned, const casters *c,
-                               void *device, bake_squares *squares, light_picture *picture, coded_light *out, light_report *light,
-                               bake_context *ctx)
-{
-    light_columns columns;
-    light_squares cache;
-    chosen_coder  coding;
-    chosen_coder_init(&coding, o, plan->compress, picture);
-    stage_begin(ctx, STAGE_GL);
-    vxs_result r = light_columns_init(&columns, device, o, plan, planned, c, picture, ctx->run);
-    stage_begin(ctx, STAGE_NONE);
-    if (r == VXS_OK) {
-        column_source source = light_columns_source(&columns);
-        r                    = light_squares_source(&cache, squares, &source, &planned->light, light, ctx->run);
-        if (r == VXS_OK) r = bake_light(planned, &source, &coding.coder, is_baked_apart(o) ? NULL : out, ctx);
-    }
-
-    const build_stats *stats  = coding.stats;
-    uint64_t           across = max_u32(1, (1u << planned->light.levels) / plan->tile_px);
-    light->light              = planned->light;
-    light->texels             = planned->texels;
-    light->depth              = columns.rendered.stats;
-    light->tiles              = planned->map_count * across * across;
-    light->tiles_skipped      = light->tiles - stats->squares_fetched;
-    light->mask_tiles         = stats->mask_tiles;
-    light->mask_runs          = stats->mask_runs;
-    light->inserted_nodes     = stats->inserted_nodes;
-    light->inserted_masks     = stats->inserted_masks;
-    light->palette            = coding.blocks.counts;
-    chosen_coder_free(&coding);
-    if (r == VXS_OK && picture) r = light_columns_draw(&columns, picture, ctx);
-    light_columns_free(&columns);
-    return r;
-}
-
-/* Bake the next light, with a picture if wanted. */
-static vxs_result bake_next(const bake_options *o, const plan_light *planned, const casters *c, void *device, coded_light *coded,
-                            bake_squares *squares, bake_report *report, bake_context *ctx)
-{
-    const bake_plan *plan  = report->plan;
-    uint32_t         baked = report->light_count++, larger = 0;
-    light_picture    picture = {0};
-    vxs_result       r       = VXS_OK;
-
-    /* a picture takes time, and with many lights most are dropped: make one of a light that may be one of the largest */
-    for (size_t n = 0; n < plan->light_count; n++) larger += plan->lights[n].stored_bytes > planned->stored_bytes;
-    int wanted = o->page_path && larger < 4 * PICTURES_MAX;
-    if (wanted) r = light_picture_init(&picture, baked, 1u << planned->light.levels, planned->map_count, ctx->run);
-    if (r == VXS_OK)
-        r = bake_planned(o, plan, planned, c, device, squares, wanted ? &picture : NULL, &coded[baked], &report->lights[baked],
-                         ctx);
-    if (r == VXS_OK && wanted)
-        keep_picture(report, coded, &picture);
-    else
-        light_picture_free(&picture);
-    return r;
-}
 
 /* Create the renderer's device if maps are rendered; else *device is NULL. */
 static vxs_result begin_rendering(void **device, const bake_options *o, bake_report *report, bake_context *ctx)
@@ -183,8 +102,7 @@ static vxs_result bake_file(const bake_options *o, const casters *c, bake_square
     if (r == VXS_OK) r = bake_squares_open(squares, o, report, ctx->run);
     ctx->total_seconds = plan->total_seconds;
     for (int s = STAGE_LOAD; s <= STAGE_GL; s++) ctx->past_seconds += plan->seconds[s];
-    for (size_t n = 0; n < plan->light_count && r == VXS_OK; n++)
-        if (!plan->lights[n].left_out) r = bake_next(o, &plan->lights[n], c, device, coded, squares, report, ctx);
+    if (r == VXS_OK) r = bake_lights(o, c, device, coded, squares, report, ctx);
     if (device) o->renderer->destroy(device);
     if (r != VXS_OK) goto done;
 

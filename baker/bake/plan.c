@@ -10,6 +10,7 @@
 #include "baker/base/clock.h"
 #include "baker/base/integer.h"
 #include "baker/base/memory.h"
+#include "baker/base/parallel_runs.h"
 #include "baker/base/text.h"
 #include "baker/light/light_fit.h"
 
@@ -17,32 +18,49 @@ const char REACHES_NOTHING[] = "reaches no caster";
 
 /* lights ---------------------------------------------------------------------------------------------------------------------- */
 
-static vxs_result fit_light(bake_plan *plan, plan_light *l, const bake_options *o, const casters *c, const chosen_light *chosen,
-                            run_context *m)
+typedef struct light_fits {
+    bake_plan          *plan;
+    const bake_options *o;
+    const casters      *c;
+    const chosen_light *chosen; /* [light_count of the plan] */
+} light_fits;
+
+static vxs_result fit_light(void *user, size_t n, uint32_t worker, run_context *m)
 {
-    light_fit_desc fit = {.name           = chosen->name,
-                          .shape          = &chosen->shape,
-                          .resolution_max = RESOLUTION_MAX_PX,
-                          .region_ws      = o->region_given ? o->region_ws : NULL};
-    casters        near;
-    fit.resolution = light_resolution(o, chosen->name, &fit.texel_metres);
-    vxs_result r   = reach_casters(&near, &plan->reach, c, &chosen->shape, m);
+    const light_fits   *f      = user;
+    const chosen_light *chosen = &f->chosen[n];
+    plan_light         *l      = &f->plan->lights[n];
+    light_fit_desc      fit    = {.name           = chosen->name,
+                                  .shape          = &chosen->shape,
+                                  .resolution_max = RESOLUTION_MAX_PX,
+                                  .region_ws      = f->o->region_given ? f->o->region_ws : NULL};
+    casters             near;
+    (void)worker;
+    fit.resolution = light_resolution(f->o, chosen->name, &fit.texel_metres);
+    vxs_result r   = reach_casters(&near, &f->plan->reach, f->c, &chosen->shape, m);
     if (r == VXS_OK) r = light_fit(&l->light, &near, &fit, m);
-    reach_release(&near, c);
+    reach_release(&near, f->c);
     l->shape        = chosen->shape;
-    l->light.coding = o->coding == CODING_DAG ? VXS_CODING_DAG : VXS_CODING_BLOCKS;
+    l->light.coding = f->o->coding == CODING_DAG ? VXS_CODING_DAG : VXS_CODING_BLOCKS;
     snprintf(l->name, sizeof l->name, "%s", chosen->name);
     if (r == VXS_E_NO_CASTER) {
         l->left_out = REACHES_NOTHING;
         return VXS_OK;
     }
-    plan->baked_count++;
     l->map_count = vxs_map_count(&l->light);
-    if (r != VXS_OK) return r;
-    for (const plan_light *other = plan->lights; other < l; other++)
-        if (!other->left_out && !strcmp(other->light.name, l->light.name))
-            return fail(m, VXS_E_ARGUMENT, "light '%s': another light of that name is baked too", l->light.name);
-    return VXS_OK;
+    return r;
+}
+
+/* Count the lights to bake, whose names must differ. */
+static vxs_result count_lights(bake_plan *plan, run_context *m)
+{
+    for (const plan_light *l = plan->lights; l < plan->lights + plan->light_count; l++) {
+        plan->baked_count += !l->left_out;
+        for (const plan_light *other = plan->lights; other < l && !l->left_out; other++)
+            if (!other->left_out && !strcmp(other->light.name, l->light.name))
+                return fail(m, VXS_E_ARGUMENT, "light '%s': another light of that name is baked too", l->light.name);
+    }
+    return plan->baked_count ? VXS_OK : fail(m, VXS_E_NO_LIGHT, "no light reaches a caster: there is nothing to bake");
 }
 
 /* solids ---------------------------------------------------------------------------------------------------------------------- */
@@ -78,16 +96,31 @@ static const double TOP_DOWN_SECONDS_PER_NODE = 4.5e-8, MERGE_SECONDS_PER_REPEAT
 
 /* estimates ------------------------------------------------------------------------------------------------------------------- */
 
+typedef struct light_samples {
+    bake_plan     *plan;
+    bake_options   o;
+    const casters *c;
+    uint32_t       maps;
+} light_samples;
+
+static vxs_result sample_light(void *user, size_t n, uint32_t worker, run_context *m)
+{
+    light_samples *s = user;
+    plan_light    *l = &s->plan->lights[n];
+    (void)worker;
+    if (l->left_out) return VXS_OK;
+    return plan_sample_light(l, s->plan, s->maps, &s->o, s->c, m);
+}
+
 vxs_result plan_estimate(bake_plan *plan, const bake_options *o, const casters *c, run_context *m)
 {
-    uint32_t   maps = 0;
-    vxs_result r    = VXS_OK;
-    for (size_t n = 0; n < plan->light_count; n++) maps += plan->lights[n].left_out ? 0 : plan->lights[n].map_count;
-    for (size_t n = 0; n < plan->light_count && r == VXS_OK; n++) {
-        if (plan->lights[n].left_out) continue;
-        r = plan_sample_light(&plan->lights[n], plan, maps, o, c, m);
-        plan_estimate_light(&plan->lights[n], o);
-    }
+    light_samples s = {plan, *o, c, 0};
+    for (size_t n = 0; n < plan->light_count; n++) s.maps += plan->lights[n].left_out ? 0 : plan->lights[n].map_count;
+    int few = plan->baked_count < 2 * o->threads || o->memory_bytes; /* each is sampled on all threads */
+    if (!few) s.o.threads = 1;
+    vxs_result r = parallel_runs(few ? 1 : o->threads, plan->light_count, sample_light, &s, m);
+    for (size_t n = 0; n < plan->light_count && r == VXS_OK; n++)
+        if (!plan->lights[n].left_out) plan_estimate_light(&plan->lights[n], o);
     if (r != VXS_OK) return r;
 
     double inserted = 0, repeated = 0;
@@ -173,11 +206,9 @@ vxs_result plan_make(bake_plan *plan, const bake_options *o, casters *c, const s
         goto done;
     }
     plan->light_count = chosen->count;
-    for (size_t n = 0; n < chosen->count && r == VXS_OK; n++) r = fit_light(plan, &plan->lights[n], o, c, &chosen->lights[n], m);
-    if (r == VXS_OK && !plan->baked_count) {
-        r = fail(m, VXS_E_NO_LIGHT, "no light reaches a caster: there is nothing to bake");
-        goto done;
-    }
+    light_fits fits   = {plan, o, c, chosen->lights};
+    r                 = parallel_runs(o->threads, chosen->count, fit_light, &fits, m);
+    if (r == VXS_OK) r = count_lights(plan, m);
     if (r != VXS_OK) goto done;
     for (const plan_light *l = plan->lights; l < plan->lights + plan->light_count; l++)
         if (l->left_out)

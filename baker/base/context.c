@@ -23,9 +23,9 @@ typedef struct memory_use {
     uint64_t peak, held;
 } memory_use;
 
-static memory_use memory_now(void)
+static memory_use memory_now(const bake_context *ctx)
 {
-    return (memory_use){memory_peak_bytes(), memory_held_bytes()};
+    return ctx->unmeasured ? (memory_use){0} : (memory_use){memory_peak_bytes(), memory_held_bytes()};
 }
 
 /* Does not reset the system's high-water mark, because the program around the baker may use it. For a stage that does not raise the
@@ -53,7 +53,7 @@ static void enter(bake_context *ctx, bake_stage stage, memory_use now)
 void stage_begin(bake_context *ctx, bake_stage stage)
 {
     const int  ends = ctx->stage_since > 0;
-    memory_use now  = ends || stage != STAGE_NONE ? memory_now() : (memory_use){0};
+    memory_use now  = ends || stage != STAGE_NONE ? memory_now(ctx) : (memory_use){0};
     if (ends) {
         ctx->stage[ctx->at].seconds += clock_seconds() - ctx->stage_since;
         note_peak(ctx, ctx->at, stage_peak(ctx, now));
@@ -64,7 +64,7 @@ void stage_begin(bake_context *ctx, bake_stage stage)
 void stage_begin_after(bake_context *ctx, bake_stage stage, bake_stage first, const double *seconds, uint32_t count)
 {
     double     wall = clock_seconds() - ctx->stage_since, all = 0;
-    memory_use now = memory_now();
+    memory_use now = memory_now(ctx);
     for (uint32_t n = 0; n < count; n++) all += seconds[n];
     for (uint32_t n = 0; n < count; n++) {
         if (all > 0 && seconds[n] <= 0) continue;

@@ -50,6 +50,7 @@ typedef struct bake_context {
     const run_watch *watch;        /* [in] receives progress; NULL: not wanted; borrowed */
     const char      *subject;      /* [in] name of the work in messages: the path of the scene; borrowed */
     uint64_t         memory_bytes; /* [in] memory limit of the process; 0: no limit */
+    int              unmeasured;   /* [in] 1: memory is not measured: this is one of many contexts that are in use at once */
 
     stage_report stage[STAGE_NONE];
     uint64_t     peak_bytes; /* maximum over the stages that make an asset */
