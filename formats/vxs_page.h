@@ -81,9 +81,20 @@ vxs_result vxs_page_decode(uint32_t *words, const uint8_t *bytes, size_t size_by
  * nodes   [node_count] all of its nodes
  * common  of its light
  * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT: the page is not in canonical order, or breaks a rule of the layout, so it
- * would not decode to the same words. The runtime library does not contain this function. */
+ * would not decode to the same words. This is checked on each page: the walk of the decoder makes the words a second time, and
+ * each step of the entropy coder is undone. The runtime library does not contain this function. */
 vxs_result vxs_page_encode(vxs_bytes *out, const uint32_t *words, uint32_t word_count, const vxs_page_node *nodes,
                            uint32_t node_count, const vxs_common *common);
+
+/* Working memory for encoding, one for each thread, for any number of pages, one at a time: some 2 MiB, which grow with the
+ * symbols of a page. vxs_page_encoder_new returns NULL without memory; vxs_page_encoder_free accepts NULL. */
+typedef struct vxs_page_encoder vxs_page_encoder;
+vxs_page_encoder               *vxs_page_encoder_new(void);
+void                            vxs_page_encoder_free(vxs_page_encoder *e);
+
+/* vxs_page_encode, with this memory. */
+vxs_result vxs_page_encode_by(vxs_page_encoder *e, vxs_bytes *out, const uint32_t *words, uint32_t word_count,
+                              const vxs_page_node *nodes, uint32_t node_count, const vxs_common *common);
 
 /* Sizes of the resident part of a light. */
 typedef struct vxs_resident_sizes {

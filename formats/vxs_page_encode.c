@@ -15,64 +15,106 @@ static int reserve(vxs_bytes *b, size_t more)
     return 1;
 }
 
-/* Append the coded words and the two states. Symbols use the two states alternately. The last symbol is coded first, so that
- * the decoder gets the first symbol first. */
-static int append_coded(vxs_bytes *out, const coder *c)
+/* The state of the decoder after a symbol, before it reads a word; ~0: it would get another symbol. */
+PAGE_INLINE uint32_t undone(uint32_t state, uint32_t from, uint32_t size)
 {
-    uint16_t *words    = malloc((c->count + 1) * sizeof *words);
-    uint32_t  state[2] = {STATE_LEAST, STATE_LEAST};
-    size_t    count    = 0;
-    int       done     = words && reserve(out, 2 * c->count + 8);
-    if (!done) goto done;
-    for (size_t n = c->count; n-- > 0;) {
-        uint32_t from = c->parts[n] >> 16, size = c->parts[n] & 0xffff, *s = &state[n & 1];
-        if (*s >> 16 >= size << 1) {
-            words[count++] = (uint16_t)*s;
-            *s >>= 16;
-        }
-        *s = (*s / size << ODDS_BITS) + *s % size + from;
+    uint32_t at = (state & (ODDS_ONE - 1)) - from;
+    return at < size ? size * (state >> ODDS_BITS) + at : ~0u;
+}
+
+/* Put a symbol into a state. A state that is too large for it first gives a word, before `to`. Whether it does is unpredictable, so
+ * there is no branch on it.   same  cleared if the decoder would not get the symbol, the state and the word back */
+PAGE_INLINE uint32_t put_part(uint32_t state, uint32_t part, uint8_t **to, uint32_t *same)
+{
+    uint32_t from = part >> 16, size = part & 0xffff, large = state >> 16 >= size << 1;
+    vxs_store16(*to - 2, (uint16_t)state);
+    *to -= 2 * large;
+    state >>= 16 * large;
+    uint32_t now = (state / size << ODDS_BITS) + state % size + from;
+    *same &= (uint32_t)(undone(now, from, size) == state) & (uint32_t)((state < STATE_LEAST) == large);
+    return now;
+}
+
+/* Append the coded words and the two states. Symbols use the two states alternately. The last symbol is coded first, so that
+ * the decoder gets the first symbol first. The words take the place of the symbols, from the end: a word is shorter than a symbol.
+ * Each step is undone at once, as the decoder does it. So a fault of the coder is found here, and no page with it is written.
+ * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT after such a fault. */
+static vxs_result append_coded(vxs_bytes *out, const coder *c)
+{
+    uint8_t *end = (uint8_t *)(c->parts + c->count), *to = end;
+    uint32_t even = STATE_LEAST, odd = STATE_LEAST, same = 1;
+    size_t   n = c->count;
+    if (n & 1) even = put_part(even, c->parts[--n], &to, &same);
+    while (n) {
+        odd  = put_part(odd, c->parts[--n], &to, &same);
+        even = put_part(even, c->parts[--n], &to, &same);
     }
-    uint8_t *to = out->data + out->size_bytes;
-    for (size_t n = count; n-- > 0; to += 2) vxs_store16(to, words[n]);
-    vxs_store32(to, state[0]);
-    vxs_store32(to + 4, state[1]);
-    out->size_bytes += 2 * count + 8;
-done:
-    free(words);
-    return done;
+    size_t size_bytes = (size_t)(end - to);
+    if (!same) return VXS_E_ARGUMENT;
+    if (!reserve(out, size_bytes + 8)) return VXS_E_MEMORY;
+    uint8_t *at = out->data + out->size_bytes;
+    if (size_bytes) memcpy(at, to, size_bytes);
+    vxs_store32(at + size_bytes, even);
+    vxs_store32(at + size_bytes + 4, odd);
+    out->size_bytes += size_bytes + 8;
+    return VXS_OK;
+}
+
+struct vxs_page_encoder {
+    vxs_page_scratch scratch;
+    uint32_t         words[VXS_PAGE_WORDS_MAX], pattern_rank[1 << 18], block_rank[VXS_PAGE_WORDS_MAX];
+    coder            symbols; /* grow with pages */
+};
+
+vxs_page_encoder *vxs_page_encoder_new(void)
+{
+    vxs_page_encoder *e = malloc(sizeof *e);
+    if (e) e->symbols = (coder){0};
+    return e;
+}
+
+void vxs_page_encoder_free(vxs_page_encoder *e)
+{
+    if (e) free(e->symbols.parts);
+    free(e);
+}
+
+vxs_result vxs_page_encode_by(vxs_page_encoder *e, vxs_bytes *out, const uint32_t *words, uint32_t word_count,
+                              const vxs_page_node *nodes, uint32_t node_count, const vxs_common *common)
+{
+    if (!node_count || !word_count || word_count > VXS_PAGE_WORDS_MAX) return VXS_E_ARGUMENT;
+    walk   w      = {.c            = {.parts = e->symbols.parts, .capacity = e->symbols.capacity},
+                     .odds         = &e->scratch.odds,
+                     .s            = &e->scratch,
+                     .words        = e->words,
+                     .word_count   = word_count,
+                     .node_words   = node_words_of(words, word_count, nodes, node_count),
+                     .common       = common,
+                     .source       = words,
+                     .pattern_rank = e->pattern_rank,
+                     .block_rank   = e->block_rank};
+    size_t before = out->size_bytes;
+    memset(e->words, 0, word_count * sizeof *e->words);
+    memset(e->pattern_rank, 0, sizeof e->pattern_rank);
+    memset(e->block_rank, 0, sizeof e->block_rank);
+    int same   = w.node_words && code_page(&w, nodes, node_count) && !memcmp(e->words, words, word_count * sizeof *words);
+    e->symbols = w.c;
+    if (w.c.no_memory || (same && !reserve(out, 4))) return VXS_E_MEMORY;
+    if (!same) return VXS_E_ARGUMENT;
+    vxs_store16(out->data + before, (uint16_t)(word_count - 1));
+    vxs_store16(out->data + before + 2, (uint16_t)(w.node_words - 1));
+    out->size_bytes += 4;
+    vxs_result r = append_coded(out, &w.c);
+    if (r != VXS_OK) out->size_bytes = before;
+    return r;
 }
 
 vxs_result vxs_page_encode(vxs_bytes *out, const uint32_t *words, uint32_t word_count, const vxs_page_node *nodes,
                            uint32_t node_count, const vxs_common *common)
 {
-    if (!node_count || !word_count || word_count > VXS_PAGE_WORDS_MAX) return VXS_E_ARGUMENT;
-    walk w         = {.source = words, .word_count = word_count, .common = common};
-    w.node_words   = node_words_of(words, word_count, nodes, node_count);
-    w.s            = malloc(sizeof *w.s);
-    w.words        = calloc(word_count, sizeof *w.words);
-    w.pattern_rank = calloc((size_t)1 << 18, sizeof *w.pattern_rank);
-    w.block_rank   = calloc(VXS_PAGE_WORDS_MAX, sizeof *w.block_rank);
-    vxs_result r   = VXS_E_MEMORY;
-    if (w.s && w.words && w.pattern_rank && w.block_rank && reserve(out, 4)) {
-        w.odds   = &w.s->odds;
-        int same = w.node_words && code_page(&w, nodes, node_count) && !memcmp(w.words, words, word_count * sizeof *words);
-        if (!w.c.no_memory) r = same ? VXS_OK : VXS_E_ARGUMENT;
-    }
-    if (r == VXS_OK) {
-        size_t before = out->size_bytes;
-        vxs_store16(out->data + before, (uint16_t)(word_count - 1));
-        vxs_store16(out->data + before + 2, (uint16_t)(w.node_words - 1));
-        out->size_bytes += 4;
-        if (!append_coded(out, &w.c)) {
-            out->size_bytes = before;
-            r               = VXS_E_MEMORY;
-        }
-    }
-    free(w.c.parts);
-    free(w.s);
-    free(w.words);
-    free(w.pattern_rank);
-    free(w.block_rank);
+    vxs_page_encoder *e = vxs_page_encoder_new();
+    vxs_result        r = e ? vxs_page_encode_by(e, out, words, word_count, nodes, node_count, common) : VXS_E_MEMORY;
+    vxs_page_encoder_free(e);
     return r;
 }
 
@@ -106,10 +148,8 @@ vxs_result vxs_resident_encode(vxs_bytes *out, const uint32_t *words, uint32_t w
         const uint32_t sizes[] = {word_count, r.page_count, r.met, r.pattern_count};
         for (int n = 0; n < 4; n++) vxs_store32(out->data + before + 4 * n, sizes[n]);
         out->size_bytes += 16;
-        if (!append_coded(out, &r.w.c)) {
-            out->size_bytes = before;
-            result          = VXS_E_MEMORY;
-        }
+        result = append_coded(out, &r.w.c);
+        if (result != VXS_OK) out->size_bytes = before;
     }
     free(r.w.c.parts);
     free(r.w.s);

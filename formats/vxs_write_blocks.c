@@ -144,6 +144,7 @@ static void encode_some_pages(void *work, uint32_t task)
     page_encoder       *e       = work;
     const vxs_resident *r       = e->resident;
     int                 is_fast = e->view->packing == VXS_PACKING_FAST;
+    vxs_page_encoder   *encoder = is_fast ? NULL : vxs_page_encoder_new();
     vxs_page_marks     *marks   = is_fast ? malloc(sizeof *marks) : NULL;
     ZSTD_CCtx          *zstd    = is_fast ? vxs_compressor(e->zstd_level) : NULL;
     uint32_t            page;
@@ -155,14 +156,15 @@ static void encode_some_pages(void *work, uint32_t task)
         uint32_t             count      = page_words(e->view, page);
         const vxs_page_node *nodes      = r->nodes + r->page_first[page];
         uint32_t             node_count = r->page_first[page + 1] - r->page_first[page];
-        if (!is_fast)
-            to->result = vxs_page_encode(&to->bytes, words, count, nodes, node_count, &r->common);
+        if (encoder)
+            to->result = vxs_page_encode_by(encoder, &to->bytes, words, count, nodes, node_count, &r->common);
         else if (marks && zstd)
             to->result = vxs_page_pack(&to->bytes, words, count, nodes, node_count, marks, zstd);
         else
             to->result = VXS_E_MEMORY;
         if (to->result != VXS_OK) vxs_items_end(&e->pages);
     }
+    vxs_page_encoder_free(encoder);
     ZSTD_freeCCtx(zstd);
     free(marks);
 }

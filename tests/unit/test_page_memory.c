@@ -1,4 +1,5 @@
-/* The encoder of pages without memory (formats/vxs_page.h): compiled with an allocator whose n-th allocation fails.
+/* The encoder of pages (formats/vxs_page.h) from within: compiled with an allocator whose n-th allocation fails; and with symbols
+ * that no decoder would get back.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -8,6 +9,7 @@
 #include <string.h>
 
 #include "page_sample.h"
+#include "repeats.h"
 
 #include <cmocka.h>
 
@@ -41,25 +43,35 @@ static void counted_free(void *memory)
     free(memory);
 }
 
-vxs_result page_encode_failing(vxs_bytes *out, const uint32_t *words, uint32_t word_count, const vxs_page_node *nodes,
-                               uint32_t node_count, const vxs_common *common);
+vxs_page_encoder *encoder_new_failing(void);
+void              encoder_free_counted(vxs_page_encoder *e);
+vxs_result        page_encode_by_again(vxs_page_encoder *e, vxs_bytes *out, const uint32_t *words, uint32_t word_count,
+                                       const vxs_page_node *nodes, uint32_t node_count, const vxs_common *common);
+vxs_result        page_encode_failing(vxs_bytes *out, const uint32_t *words, uint32_t word_count, const vxs_page_node *nodes,
+                                      uint32_t node_count, const vxs_common *common);
 vxs_result resident_encode_failing(vxs_bytes *out, const uint32_t *words, uint32_t word_count, uint32_t levels, uint32_t map_count,
                                    const vxs_common *common);
 vxs_result common_index_again(vxs_common *common, uint32_t *patterns, const uint8_t *kinds, uint32_t pattern_count,
                               const uint32_t *words, uint32_t half_count);
 
-#define malloc              failing_malloc
-#define calloc              failing_calloc
-#define realloc             failing_realloc
-#define free                counted_free
-#define vxs_page_encode     page_encode_failing
-#define vxs_resident_encode resident_encode_failing
-#define vxs_common_index    common_index_again
+#define malloc                failing_malloc
+#define calloc                failing_calloc
+#define realloc               failing_realloc
+#define free                  counted_free
+#define vxs_page_encoder_new  encoder_new_failing
+#define vxs_page_encoder_free encoder_free_counted
+#define vxs_page_encode_by    page_encode_by_again
+#define vxs_page_encode       page_encode_failing
+#define vxs_resident_encode   resident_encode_failing
+#define vxs_common_index      common_index_again
 #include "formats/vxs_page_encode.c"
 #undef malloc
 #undef calloc
 #undef realloc
 #undef free
+#undef vxs_page_encoder_new
+#undef vxs_page_encoder_free
+#undef vxs_page_encode_by
 #undef vxs_page_encode
 #undef vxs_resident_encode
 #undef vxs_common_index
@@ -122,11 +134,40 @@ static void resident_parts_without_memory(void **state)
     check_failing(encode_resident, 6);
 }
 
+/* A part of the odds beyond their end, or of size 0, is no symbol. All others are taken. */
+static void faults_of_the_coder_are_found(void **state)
+{
+    (void)state;
+    rng      r     = rng_split(5, 1);
+    uint64_t found = 0;
+    fail_at        = 0;
+    for (uint64_t n = 0; n < repeats(2000, 100000); n++) {
+        uint32_t parts[64], wrong = rng_below(&r, 64);
+        for (uint32_t k = 0; k < 64; k++) {
+            uint32_t from = rng_below(&r, ODDS_ONE);
+            parts[k]      = from << 16 | (1 + rng_below(&r, rng_below(&r, 2) ? ODDS_ONE - from : 1));
+        }
+        for (uint32_t is_wrong = 0; is_wrong < 2; is_wrong++) {
+            uint32_t  copy[64];
+            vxs_bytes out = {0};
+            memcpy(copy, parts, sizeof copy);
+            if (is_wrong) copy[wrong] = (uint32_t)(ODDS_ONE - 1) << 16 | (2 + rng_below(&r, 2));
+            vxs_result result = append_coded(&out, &(coder){.parts = copy, .count = 64});
+            if (!is_wrong) assert_int_equal(result, VXS_OK);
+            if (result == VXS_E_ARGUMENT) assert_int_equal(out.size_bytes, 0);
+            found += result == VXS_E_ARGUMENT;
+            free(out.data);
+        }
+    }
+    assert_true(found > repeats(500, 25000));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pages_without_memory),
         cmocka_unit_test(resident_parts_without_memory),
+        cmocka_unit_test(faults_of_the_coder_are_found),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
