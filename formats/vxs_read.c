@@ -278,10 +278,10 @@ void vxs_extras_free(vxs_extras *extras, uint32_t light_count, const vxs_allocat
     vxs_points_free(&extras->points, allocator);
 }
 
-vxs_result vxs_read_extras(vxs_contents *contents, vxs_extras *extras, const void *bytes, size_t size_bytes,
-                           const vxs_read_desc *desc)
+static vxs_result read_bytes(vxs_contents *contents, vxs_extras *extras, const void *bytes, size_t size_bytes,
+                             const vxs_read_desc *desc, int is_written)
 {
-    vxs_reader r     = {.bytes = bytes, .size = size_bytes};
+    vxs_reader r     = {.bytes = bytes, .size = size_bytes, .is_written = is_written};
     vxs_result taken = vxs_read_desc_take(&r.desc, desc);
     if (taken != VXS_OK) return taken;
     r.allocator     = vxs_allocator_of(&r.desc);
@@ -301,12 +301,29 @@ vxs_result vxs_read_extras(vxs_contents *contents, vxs_extras *extras, const voi
     return r.result;
 }
 
-vxs_result vxs_read(vxs_contents *contents, const void *bytes, size_t size_bytes, const vxs_read_desc *desc)
+vxs_result vxs_read_extras(vxs_contents *contents, vxs_extras *extras, const void *bytes, size_t size_bytes,
+                           const vxs_read_desc *desc)
+{
+    return read_bytes(contents, extras, bytes, size_bytes, desc, 0);
+}
+
+static vxs_result read_contents(vxs_contents *contents, const void *bytes, size_t size_bytes, const vxs_read_desc *desc,
+                                int is_written)
 {
     vxs_extras extras;
-    vxs_result r = vxs_read_extras(contents, &extras, bytes, size_bytes, desc);
+    vxs_result r = read_bytes(contents, &extras, bytes, size_bytes, desc, is_written);
     if (r == VXS_OK) vxs_extras_free(&extras, contents->light_count, &contents->allocator);
     return r;
+}
+
+vxs_result vxs_read(vxs_contents *contents, const void *bytes, size_t size_bytes, const vxs_read_desc *desc)
+{
+    return read_contents(contents, bytes, size_bytes, desc, 0);
+}
+
+vxs_result vxs_read_written(vxs_contents *contents, const void *bytes, size_t size_bytes, const vxs_read_desc *desc)
+{
+    return read_contents(contents, bytes, size_bytes, desc, 1);
 }
 
 void vxs_contents_free(vxs_contents *c)

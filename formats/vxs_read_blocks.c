@@ -228,6 +228,7 @@ static void decode_blocks(blocks_reader *b)
     b->baked->parts[2] =
         (vxs_part){"pages", 0, b->sizes.page_count, 4 * (uint64_t)(b->baked->word_count - resident), (uint32_t)b->pages_section};
     b->baked->part_count = 3;
+    if (b->r->is_written && !is_fast(b)) return;
 
     memset(b->wrong, 0, b->sizes.page_count * sizeof *b->wrong);
     b->pages.count    = b->sizes.page_count;

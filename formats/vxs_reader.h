@@ -28,6 +28,7 @@ struct vxs_reader {
     void            *load_user;
     vxs_baked_smoke *smoke; /* [out.light_count] NULL: no light has smoke */
     vxs_baked_points points;
+    int              is_written; /* the bytes come from vxs_write: see vxs_read_written */
 };
 
 /* Report a finding (vxs_findings.h) at an offset of the inflated section. */
@@ -128,5 +129,9 @@ typedef struct vxs_extras {
 vxs_result vxs_read_extras(vxs_contents *contents, vxs_extras *extras, const void *bytes, size_t size_bytes,
                            const vxs_read_desc *desc);
 void       vxs_extras_free(vxs_extras *extras, uint32_t light_count, const vxs_allocator *allocator);
+
+/* vxs_read of bytes that vxs_write has just made. Pages packed small are not decoded: vxs_page_encode has checked that they decode
+ * to their words. All else is checked, and pages are marked as not loaded. */
+vxs_result vxs_read_written(vxs_contents *contents, const void *bytes, size_t size_bytes, const vxs_read_desc *desc);
 
 #endif

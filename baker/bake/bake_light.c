@@ -7,6 +7,7 @@
 
 #include "baker/base/parallel.h"
 #include "baker/files/output_file.h"
+#include "formats/vxs_reader.h"
 #include "runtime/vxs.h"
 
 vxs_result bake_light(const plan_light *planned, const column_source *source, const light_coder *coder, coded_light *out,
@@ -61,7 +62,7 @@ vxs_result asset_write(const bake_options *o, const vxs_bytes *file, bake_report
     output_file   out      = {0};
     vxs_parallel  threads  = parallel_lent(o->threads);
     vxs_read_desc desc     = {.parallel = &threads};
-    vxs_result    r        = vxs_read(&contents, file->data, file->size_bytes, &desc);
+    vxs_result    r        = vxs_read_written(&contents, file->data, file->size_bytes, &desc);
     if (r != VXS_OK) return fail(m, r, "the encoded asset cannot be read back, nothing was written: %s", vxs_result_text(r));
 
     /* sizes by part, as a reader sees them */

@@ -29,7 +29,7 @@ typedef enum bake_stage {
     STAGE_MERGE,                 /* merging into one DAG */
     STAGE_ENCODE,                /* sections, zstd */
     STAGE_SMOKE,                 /* transmittance of smoke for each light */
-    STAGE_WRITE,                 /* read back the encoded data, write the file */
+    STAGE_WRITE,                 /* check the encoded data, write the file */
     STAGE_COUNT,                 /* number of stages that make an asset; later stages do not count in its time */
     STAGE_PICTURE = STAGE_COUNT, /* pictures of the maps, for a page */
     STAGE_NONE
