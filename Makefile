@@ -151,7 +151,7 @@ command.o := $(patsubst %,$B/%.o,$(command.c) $(wildcard baker/command/process/*
 # what is compiled for several processors (baker/base/cpu.h): once more for each, with the level in the names of its functions
 ifneq ($(findstring x86_64,$(MAKE_HOST)),)
 level.c   := baker/columns/sparse/leaf.c baker/columns/sparse/square_list.c
-bake.o    += $(level.c:%=$B/%.avx2.o)
+bake.o    += $(level.c:%=$B/%.avx2.o) $(level.c:%=$B/%.avx512.o)
 endif
 # with CGAL's templates, which take 35 s to compile under sanitizers: check-asan links those of release, check-unit config=asan its own
 cgal      := $(wildcard baker/lab/mend/*.cc baker/casters/*.cc)
@@ -334,8 +334,9 @@ $(gltf.o): $(gltf.gch)
 $(baker.o) $(library.o) $(no_lab.c:%=$B/%.o): cflags += $(pic)
 $(baker.o) $(library.o) $(gltf.gch): cxxflags += $(pic) $(if $(filter fuzz,$(config)),,-fno-gnu-unique)
 # vectors of two registers are passed within the file alone
-$B/baker/columns/sparse/square_list.c.o: cflags += -Wno-psabi
-$B/%.c.avx2.o: cflags += -mavx2
+$(level.c:%=$B/%.o): cflags += -Wno-psabi
+$B/%.c.avx2.o: cflags += -mavx2 -mpopcnt
+$B/%.c.avx512.o: cflags += -mavx2 -mpopcnt -mavx512f -mavx512dq -mavx512vl
 define compile
 	@echo "  cc   $<$(@:$B/$<%.o=%)"
 	$Q mkdir -p $(@D) && $(CC) $(cflags) $(CPPFLAGS) $(CFLAGS) -c $< -o $@
@@ -343,6 +344,8 @@ endef
 $B/%.c.o: %.c
 	$(compile)
 $B/%.c.avx2.o: %.c
+	$(compile)
+$B/%.c.avx512.o: %.c
 	$(compile)
 
 define compile_cxx

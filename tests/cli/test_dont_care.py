@@ -90,7 +90,7 @@ def test_up_to_date_with_the_same_options_alone(bake):
 
 def test_same_bytes_on_all_processors_and_threads(vxs, bake, monkeypatch):
     found = set()
-    for cpu in ("sse2", "avx2"):
+    for cpu in ("sse2", "avx2", "avx512"):
         monkeypatch.setenv("VXS_CPU", cpu)
         found |= {bake(*BEHIND, *THICK, "--threads", threads)[1] for threads in (1, 3)}
     assert len(found) == 1

@@ -58,7 +58,7 @@ def test_processors(run, scene, tmp_path, monkeypatch, coding):
     at once."""
     path, resolution = scene
     out = set()
-    for most in ("avx2", "sse2"):
+    for most in ("avx512", "avx2", "sse2"):
         monkeypatch.setenv("VXS_CPU", most)
         if most == "sse2":
             monkeypatch.setenv("GLIBC_TUNABLES", "glibc.cpu.hwcaps=-AVX512F,-AVX2,-AVX,-FMA,-FMA4")

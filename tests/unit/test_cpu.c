@@ -17,6 +17,8 @@ static void the_environment_only_takes_away(void **state)
     setenv("VXS_CPU", "sse2", 1);
     assert_int_equal(cpu_level(), CPU_SSE2);
     setenv("VXS_CPU", "avx2", 1);
+    assert_int_equal(cpu_level(), all < CPU_AVX2 ? all : CPU_AVX2);
+    setenv("VXS_CPU", "avx512", 1);
     assert_int_equal(cpu_level(), all);
     setenv("VXS_CPU", "avx", 1);
     assert_int_equal(cpu_level(), all);

@@ -430,16 +430,134 @@ static void depths_stay_within_their_lists(void **state)
                 if (!brute_meet(&check, 0, pu, pv, &hit)) continue;
                 double z = plane_depth(t, (pu + 0.5) * px, (pv + 0.5) * px);
                 assert_int_equal(l.count, 1);
-                assert_true(l.items[0].lo <= z && z <= l.items[0].hi);
-                assert_true(l.items[0].lo <= hit.depth / SIDE && hit.depth / SIDE <= l.items[0].hi);
+                assert_true(l.lo[0] <= z && z <= l.hi[0]);
+                assert_true(l.lo[0] <= hit.depth / SIDE && hit.depth / SIDE <= l.hi[0]);
                 asked++;
             }
             brute_free(&check);
         }
-        free(l.items);
+        free(l.lo);
         sparse_triangles_free(&s);
     }
     assert_true(asked > 5 * rounds);
+}
+
+/* A map of single triangles. */
+typedef struct soup {
+    vertex_ls v[3 * 32];
+    uint32_t  indices[3 * 32];
+    size_t    no_masks[1];
+    casters   none;
+} soup;
+
+static projection projection_of(soup *o, size_t count)
+{
+    for (uint32_t n = 0; n < 3 * count; n++) o->indices[n] = n;
+    o->no_masks[0] = count;
+    o->none        = (casters){0};
+    return (projection){.casters          = &o->none,
+                        .vertex_count     = 3 * count,
+                        .vertices         = o->v,
+                        .triangle_count   = count,
+                        .holed_first      = count,
+                        .indices          = o->indices,
+                        .alpha_mask_first = o->no_masks};
+}
+
+/* Edges over a whole map, which are too long for 32 bits: the texels of a tile that one of them crosses. */
+static void long_edges_end_where_short_ones_do(void **state)
+{
+    enum { SIDE = 16384 };
+    const uint32_t rounds  = repeats(300, 3000);
+    rng            r       = rng_split(1, 5);
+    leaf_scratch   scratch = {0};
+    square_list    l       = {0};
+    size_t         partly  = 0;
+    (void)state;
+    for (uint32_t n = 0; n < rounds; n++) {
+        soup             o;
+        brute            check;
+        brute_hit        hit;
+        sparse_triangles s;
+        column_tile      tile;
+        column_bounds    bounds;
+        uint32_t         id      = 0;
+        square_bound     nothing = {.enter_most = 1, .left_out = INFINITY, .exit_least = INFINITY};
+        leaf_desc        d       = {.triangles = &s, .scale = {SIDE, 0}, .every_texel = 1};
+        for (int k = 0; k < 3; k++) o.v[k] = (vertex_ls){uniform(&r, -SIDE, 2 * SIDE), uniform(&r, -SIDE, 2 * SIDE), 0.5};
+        projection   p     = projection_of(&o, 1);
+        const double along = rng_unit(&r), u = o.v[0].u + along * (o.v[1].u - o.v[0].u),
+                     v = o.v[0].v + along * (o.v[1].v - o.v[0].v);
+        if (!(u >= 0 && u < SIDE && v >= 0 && v < SIDE)) continue;
+        texel_square at = {(uint32_t)u & ~7u, (uint32_t)v & ~7u, 8};
+        assert_int_equal(sparse_triangles_init(&s, &p, SIDE, 1), VXS_OK);
+        assert_true(brute_init(&check, &p, SIDE, (int64_t)1 << s.grid, 0, 0));
+        assert_true(sparse_levels[n % (cpu_level_of_machine() + 1)].gather(&l, &s, &id, 1, at));
+        assert_true(sparse_levels[n % (cpu_level_of_machine() + 1)].leaf(&scratch, &d, &l, &nothing, at, &tile, &bounds));
+        partly += bounds.emin < bounds.emax;
+        for (uint32_t m = 0; m < 64; m++) {
+            int met = brute_meet(&check, 0, at.u + m % 8, at.v + m / 8, &hit);
+            if ((tile.e[m] == SIDE / 2) != met) fail_msg("texel %u of round %u: %u", m, n, tile.e[m]);
+        }
+        brute_free(&check);
+        sparse_triangles_free(&s);
+    }
+    assert_true(partly > rounds / 10);
+    free(l.lo);
+    free(scratch.faces);
+    free(scratch.hits);
+    free(scratch.depths);
+    free(scratch.backs);
+}
+
+static void assert_same_list(const square_list *a, const square_list *b)
+{
+    assert_int_equal(a->count, b->count);
+    if (!a->count) return;
+    assert_memory_equal(a->lo, b->lo, a->count * sizeof *a->lo);
+    assert_memory_equal(a->hi, b->hi, a->count * sizeof *a->hi);
+    assert_memory_equal(a->items, b->items, a->count * sizeof *a->items);
+    assert_memory_equal(a->tags, b->tags, a->count * sizeof *a->tags);
+}
+
+/* The quarters of a list are what is gathered for them, at all levels, for any number of triangles. */
+static void lists_are_split_as_they_are_gathered(void **state)
+{
+    enum { SIDE = 256, MOST = 32 };
+    const uint32_t rounds = repeats(300, 3000);
+    rng            r      = rng_split(1, 6);
+    square_list    all = {0}, quarter[4] = {{0}}, alone = {0};
+    (void)state;
+    for (uint32_t n = 0; n < rounds; n++) {
+        soup             o;
+        sparse_triangles s;
+        size_t           count = rng_below(&r, MOST + 1);
+        uint32_t         ids[MOST], half = 8u << rng_below(&r, 4);
+        const double     size = ldexp(1, (int)rng_below(&r, 9));
+        for (size_t k = 0; k < count; k++) {
+            const double u = uniform(&r, 0, SIDE), v = uniform(&r, 0, SIDE);
+            for (int c = 0; c < 3; c++)
+                o.v[3 * k + (size_t)c] = (vertex_ls){u + uniform(&r, -size, size), v + uniform(&r, -size, size), rng_unit(&r)};
+        }
+        projection   p  = projection_of(&o, count);
+        texel_square at = {(uint32_t)rng_below(&r, SIDE / (2 * half)) * 2 * half,
+                           (uint32_t)rng_below(&r, SIDE / (2 * half)) * 2 * half, 2 * half};
+        assert_int_equal(sparse_triangles_init(&s, &p, SIDE, 1), VXS_OK);
+        for (uint32_t k = 0; k < s.count; k++) ids[k] = k;
+        for (int level = 0; level <= cpu_level_of_machine(); level++) {
+            assert_true(sparse_levels[level].gather(&all, &s, ids, s.count, at));
+            assert_true(sparse_levels[level].split(quarter, &s, &all, at));
+            for (uint32_t q = 0; q < 4; q++) {
+                const texel_square part = {at.u + (q & 1) * half, at.v + (q >> 1) * half, half};
+                assert_true(sparse_levels[0].gather(&alone, &s, ids, s.count, part));
+                assert_same_list(&quarter[q], &alone);
+            }
+        }
+        sparse_triangles_free(&s);
+    }
+    free(all.lo);
+    free(alone.lo);
+    for (int q = 0; q < 4; q++) free(quarter[q].lo);
 }
 
 /* Edges through the centres of the outermost texels of tiles: half of them do not own those. */
@@ -516,12 +634,12 @@ static void assert_column(const sample *b, const vxs_light *light, const ways *w
         assert_true(sparse_levels[level].leaf(&scratch, &d, &list, &bound, (texel_square){32, 32, 8}, &tile, &bounds));
         if (tile.e[9] != e || tile.x[9] != x) fail_msg("%s: %u and %u, expected %u and %u", what, tile.e[9], tile.x[9], e, x);
         assert_true(sparse_levels[level].gather(&list, &s, ids, s.count, (texel_square){32, 32, 32}));
-        square_bound_tighten(&bound, &list, &s, &d.dont_care);
+        square_bound_tighten(&bound, &list, &d.dont_care);
         uint32_t least_x = depth_up(d.scale, depth_clamped(d.scale, bound.exit_least));
         if (least_x != square_x) fail_msg("%s: a square says %u, expected %u", what, least_x, square_x);
     }
     free(ids);
-    free(list.items);
+    free(list.lo);
     free(scratch.faces);
     free(scratch.hits);
     free(scratch.depths);
@@ -735,6 +853,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(patches_end_where_surfaces_do),
         cmocka_unit_test(depths_stay_within_their_lists),
+        cmocka_unit_test(long_edges_end_where_short_ones_do),
+        cmocka_unit_test(lists_are_split_as_they_are_gathered),
         cmocka_unit_test(sheets_end_on_centres),
         cmocka_unit_test(light_leaves_where_no_solid_is_open),
         cmocka_unit_test(more_is_free_where_it_is_asked_for),

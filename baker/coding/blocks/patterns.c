@@ -121,7 +121,7 @@ CPU_TARGET_AVX2 static size_t search_avx2(const pattern_class *c, const mask_nee
 static size_t search(int cpu, const pattern_class *c, const mask_need *needs, int masks)
 {
 #ifdef __x86_64__
-    if (cpu == CPU_AVX2) return search_avx2(c, needs, masks);
+    if (cpu >= CPU_AVX2) return search_avx2(c, needs, masks);
 #endif
     (void)cpu;
     return search_by(agreeing, c, needs, masks);

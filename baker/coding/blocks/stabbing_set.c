@@ -67,7 +67,7 @@ CPU_TARGET_AVX2 static int stab_avx2(intervals *s, stab_group *groups, int most)
 int minimum_stabbing_set(intervals *s, stab_group *groups, int most, int cpu)
 {
 #ifdef __x86_64__
-    if (cpu == CPU_AVX2) return stab_avx2(s, groups, most);
+    if (cpu >= CPU_AVX2) return stab_avx2(s, groups, most);
 #endif
     (void)cpu;
 
@@ -249,7 +249,7 @@ CPU_TARGET_AVX2 static uint32_t needs_avx2(const int16_t *low, const int16_t *hi
 uint32_t tile_needs(const int16_t low[64], const int16_t high[64], const int16_t *points, int count, mask_need *needs, int cpu)
 {
 #ifdef __x86_64__
-    if (cpu == CPU_AVX2) return needs_avx2(low, high, points, count, needs);
+    if (cpu >= CPU_AVX2) return needs_avx2(low, high, points, count, needs);
 #endif
     (void)cpu;
     return needs_by(behind, low, high, points, count, needs);

@@ -15,9 +15,10 @@
 #include "baker/scene/scene.h"
 
 enum {
-    LAYERS    = 2, /* nearest back faces that are checked for the exit without counting */
-    FEW_FACES = 32 /* up to this number, all faces are counted for each layer of back faces; above it, the faces of a texel are
-                      sorted */
+    LAYERS    = 2,  /* nearest back faces that are checked for the exit without counting */
+    FEW_FACES = 32, /* up to this number, all faces are counted for each layer of back faces; above it, the faces of a texel are
+                       sorted */
+    EDGE_LONG = 1 << 27, /* |a| + |b| of an edge; 16 times this must fit 32 bits, but for the sign */
 };
 
 #define ALL_TEXELS UINT64_MAX
@@ -25,6 +26,7 @@ enum {
 /* A triangle that covers some texels of the tile. */
 typedef struct leaf_face {
     const sparse_triangle *t;
+    sparse_tags            tags;
     uint64_t               texels; /* covered texels: bit u + 8 v */
 } leaf_face;
 
@@ -61,30 +63,46 @@ static int64_t px_of(const leaf *f)
 
 /* coverage -------------------------------------------------------------------------------------------------------------------- */
 
-/* Texels whose centres are in a triangle. */
+/* Texels outside an edge, whatever its length. */
+static uint64_t outside_long(const leaf *f, const sparse_edge *e)
+{
+    uint64_t outside = 0;
+    for (int n = 0; n < 64; n++)
+        outside |= (uint64_t)(sparse_edge_at(e, f->x0 + (n & 7) * px_of(f), f->y0 + (n >> 3) * px_of(f)) < 0) << n;
+    return outside;
+}
+
+/* Texels whose centres are in a triangle.
+ *
+ * From one texel to the next an edge function changes by a multiple of the subtexels of a texel. So it has the sign of its quotient
+ * by them, rounded down, and that fits 32 bits if the edge is not long: a quotient too large changes its sign nowhere in the tile. */
 static uint64_t covered(const leaf *f, const sparse_triangle *t)
 {
-    i64s     at[3][8 / LANES], down[3];
-    uint64_t outside = 0;
+    const uint32_t grid = f->d->triangles->grid;
+    i32row         at[3], down[3];
+    uint64_t       outside = 0;
 
     /* rows of the tile that the triangle may touch: [begin, end) */
-    const uint32_t grid = f->d->triangles->grid;
-    const int64_t  y0   = min_i32(min_i32(t->y[0], t->y[1]), t->y[2]) - f->y0,
-                  y1    = max_i32(max_i32(t->y[0], t->y[1]), t->y[2]) - f->y0;
-    int begin           = y0 <= 0 ? 0 : (int)((y0 + px_of(f) - 1) >> grid < 8 ? (y0 + px_of(f) - 1) >> grid : 8);
-    int end             = y1 < 0 ? 0 : (int)(y1 >> grid < 7 ? (y1 >> grid) + 1 : 8);
+    const int64_t y0 = min_i32(min_i32(t->y[0], t->y[1]), t->y[2]) - f->y0,
+                  y1 = max_i32(max_i32(t->y[0], t->y[1]), t->y[2]) - f->y0;
+    int begin        = y0 <= 0 ? 0 : (int)((y0 + px_of(f) - 1) >> grid < 8 ? (y0 + px_of(f) - 1) >> grid : 8);
+    int end          = y1 < 0 ? 0 : (int)(y1 >> grid < 7 ? (y1 >> grid) + 1 : 8);
     if (begin >= end) return 0;
     for (int k = 0; k < 3; k++) {
-        const sparse_edge e      = sparse_edge_of(t, k);
-        const int64_t     across = e.a * px_of(f), first = sparse_edge_at(&e, f->x0, f->y0 + begin * px_of(f));
-        for (int n = 0; n < 8 / LANES; n++) at[k][n] = i64s_ramp(first + n * LANES * across, across);
-        down[k] = i64s_all(e.b * px_of(f));
-    }
-    for (int row = begin; row < end; row++)
-        for (int n = 0; n < 8 / LANES; n++) {
-            outside |= (uint64_t)i64s_negative(at[0][n] | at[1][n] | at[2][n]) << (8 * row + n * LANES);
-            for (int k = 0; k < 3; k++) at[k][n] += down[k];
+        sparse_edge e = sparse_edge_of(t, k);
+        if (llabs(e.a) + llabs(e.b) >= EDGE_LONG) {
+            outside |= outside_long(f, &e);
+            e = (sparse_edge){0};
         }
+        const int64_t first = sparse_edge_at(&e, f->x0, f->y0 + begin * px_of(f)) >> grid, most = 8 * EDGE_LONG;
+        const int32_t near = (int32_t)(first < -most ? -most : first > most ? most : first), across = (int32_t)e.a;
+        at[k]   = near + across * (i32row){0, 1, 2, 3, 4, 5, 6, 7};
+        down[k] = (int32_t)e.b - (i32row){0};
+    }
+    for (int row = begin; row < end; row++) {
+        outside |= (uint64_t)i32row_negative(at[0] | at[1] | at[2]) << 8 * row;
+        for (int k = 0; k < 3; k++) at[k] += down[k];
+    }
     return ~outside & (ALL_TEXELS << 8 * begin) & (ALL_TEXELS >> (64 - 8 * end));
 }
 
@@ -170,12 +188,12 @@ static f64s first_of(const leaf *f, int first)
 
 /* Texels that a triangle of the list covers. Triangles with holes come last. Their alpha mask is read only if the triangle is met
  * first, or if surfaces behind matter. */
-static uint64_t texels_of(const leaf *f, const square_entry *e)
+static uint64_t texels_of(const leaf *f, const square_entry *e, sparse_tags tags)
 {
     const sparse_triangle *t      = &f->d->triangles->all[e->id];
     uint64_t               texels = e->bits & ENTRY_COVERS ? ALL_TEXELS : covered(f, t);
-    if (!(t->kind & SPARSE_HOLED)) return texels;
-    if (sparse_is_sheet(t) && !dont_care_needs_next(&f->d->dont_care)) {
+    if (!(tags.kind & SPARSE_HOLED)) return texels;
+    if (sparse_is_sheet(tags) && !dont_care_needs_next(&f->d->dont_care)) {
         /* the texels in which no surface lies before the triangle */
         uint64_t met = 0;
         for (int first = 0; first < 64; first += LANES) {
@@ -197,12 +215,12 @@ static void meet_all(leaf *f, const square_list *l)
     f->count = 0;
     for (size_t n = 0; n < l->count; n++) {
         const sparse_triangle *t      = &f->d->triangles->all[l->items[n].id];
-        const uint64_t         texels = texels_of(f, &l->items[n]);
+        const uint64_t         texels = texels_of(f, &l->items[n], l->tags[n]);
         if (!texels) continue;
-        f->faces[f->count++] = (leaf_face){t, texels};
-        if (sparse_is_sheet(t))
+        f->faces[f->count++] = (leaf_face){t, l->tags[n], texels};
+        if (sparse_is_sheet(l->tags[n]))
             keep_depths(f, t, texels, &f->sheet, 1);
-        else if (sparse_is_exit(t))
+        else if (sparse_is_exit(l->tags[n]))
             keep_depths(f, t, texels, f->back, LAYERS);
         else
             keep_depths(f, t, texels, f->front, LAYERS + 1);
@@ -302,8 +320,8 @@ static f64s exits_of(leaf *f, int first, i64s open)
     f->solids = 0;
     for (const leaf_face *face = f->faces; face < f->faces + f->count; face++) {
         const uint32_t met = bits_of(face->texels, first) & texels;
-        if (!met || sparse_is_sheet(face->t)) continue;
-        f->backs[f->solids] = (uint8_t)sparse_is_exit(face->t);
+        if (!met || sparse_is_sheet(face->tags)) continue;
+        f->backs[f->solids] = (uint8_t)sparse_is_exit(face->tags);
         f64s_store(f->depths + LANES * f->solids++, depths_of(f, face->t, first, met));
     }
 
@@ -327,7 +345,7 @@ static f64s later_exits(const leaf *f, int first, f64s exits)
         next    = f64s_min(next, f64s_max(nearest, z));
         nearest = f64s_min(nearest, z);
         last    = f64s_max(last, f64s_select(met, z, -none));
-        if (f->d->dont_care.thickness > 0 && face->t->kind & SPARSE_FACES) /* the exit is at the end of its thickness */
+        if (f->d->dont_care.thickness > 0 && face->tags.kind & SPARSE_FACES) /* the exit is at the end of its thickness */
             thick = f64s_min(thick, z);
     }
     f64s_store(through, nearest);

@@ -40,6 +40,6 @@ typedef int leaf_columns(leaf_scratch *s, const leaf_desc *d, const square_list 
                          column_tile *out, column_bounds *bounds);
 
 /* One for each level of cpu.h; see lanes.h. */
-leaf_columns leaf_columns_sse2, leaf_columns_avx2;
+leaf_columns leaf_columns_sse2, leaf_columns_avx2, leaf_columns_avx512;
 
 #endif

@@ -90,7 +90,8 @@ static vxs_result sparse_key(sparse_keys *k, const leaf_desc *d, const triangle_
         XXH3_128bits_update(&state, &of_cell, sizeof of_cell);
         for (size_t n = 0; n < count; n++) {
             const sparse_triangle *t    = &s->all[ids[n]];
-            uint64_t               same = n && t->patch == s->all[ids[n - 1]].patch;
+            const sparse_tags      tags = s->tags[ids[n]];
+            uint64_t               same = n && tags.patch == s->tags[ids[n - 1]].patch;
 
             some[held++] = (hashed_triangle){.x     = {t->x[0], t->x[1], t->x[2]},
                                              .y     = {t->y[0], t->y[1], t->y[2]},
@@ -99,7 +100,7 @@ static vxs_result sparse_key(sparse_keys *k, const leaf_desc *d, const triangle_
                                              .gx    = t->gx,
                                              .gy    = t->gy,
                                              .slack = t->slack,
-                                             .bits  = (uint64_t)t->kind | (uint64_t)t->ends << 8 | same << 16};
+                                             .bits  = (uint64_t)tags.kind | (uint64_t)tags.ends << 8 | same << 16};
             if (held < HASHED_AT_ONCE && n + 1 < count) continue;
             XXH3_128bits_update(&state, some, held * sizeof *some);
             held = 0;

@@ -45,11 +45,15 @@ typedef struct square_maker {
     atomic_int           out_of_memory;
 } square_maker;
 
+#define LEVEL(name)                                                                                                                \
+    {                                                                                                                              \
+        square_list_gather_##name, square_list_split_##name, leaf_columns_##name                                                   \
+    }
+
 #ifdef __x86_64__
-const sparse_level sparse_levels[2] = {{square_list_gather_sse2, square_list_split_sse2, leaf_columns_sse2},
-                                       {square_list_gather_avx2, square_list_split_avx2, leaf_columns_avx2}};
+const sparse_level sparse_levels[3] = {LEVEL(sse2), LEVEL(avx2), LEVEL(avx512)};
 #else
-const sparse_level sparse_levels[2] = {{square_list_gather_sse2, square_list_split_sse2, leaf_columns_sse2}};
+const sparse_level sparse_levels[3] = {LEVEL(sse2)};
 #endif
 
 /* results --------------------------------------------------------------------------------------------------------------------- */
@@ -112,7 +116,7 @@ static int settle_empty(const square_maker *w, texel_square at)
 
 static int settle_large(const square_maker *w, texel_square at, square_bound *bound, square_list *l)
 {
-    square_bound_tighten(bound, l, w->d->triangles, &w->d->dont_care);
+    square_bound_tighten(bound, l, &w->d->dont_care);
     return l->count ? settle(w, at, bound->enter_most, bound->exit_least, 0) : settle_empty(w, at);
 }
 
@@ -227,8 +231,8 @@ void sparse_square_free(sparse_square *q)
             next = page->next;
             free(page);
         }
-        free(w->list.items);
-        for (int k = 0; k < 4 * SPARSE_LEVELS_MAX; k++) free(w->quarter[k / 4][k % 4].items);
+        free(w->list.lo);
+        for (int k = 0; k < 4 * SPARSE_LEVELS_MAX; k++) free(w->quarter[k / 4][k % 4].lo);
         free(w->leaf.faces);
         free(w->leaf.hits);
         free(w->leaf.depths);

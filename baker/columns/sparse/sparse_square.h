@@ -36,7 +36,7 @@ typedef struct sparse_level {
     leaf_columns       *leaf;
 } sparse_level;
 
-extern const sparse_level sparse_levels[2];
+extern const sparse_level sparse_levels[3];
 
 /* Compute a square. Its bins have the side of the square; or the square has the side of a bin, or less.
  * q    zeroed, or cleared: its arrays are used again

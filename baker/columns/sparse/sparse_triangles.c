@@ -152,9 +152,9 @@ static void make_triangles(void *user, size_t begin, size_t end, uint32_t worker
             t->y[k] = c[k].y;
         }
         set_plane(t, c, w->extent);
-        t->patch = w->patch_of[from];
-        t->kind  = (uint8_t)((solid ? SPARSE_SOLID : 0) | (back ? SPARSE_BACK : 0) | (holed ? SPARSE_HOLED : 0) |
-                            (faces ? SPARSE_FACES : 0));
+        w->s->tags[n] = (sparse_tags){.patch = w->patch_of[from],
+                                      .kind  = (uint8_t)((solid ? SPARSE_SOLID : 0) | (back ? SPARSE_BACK : 0) |
+                                                        (holed ? SPARSE_HOLED : 0) | (faces ? SPARSE_FACES : 0))};
 
         /* border bits in the new order: edge k begins at corner was[k]; if the direction is reversed, it ends there */
         int in_order = 0;
@@ -162,7 +162,7 @@ static void make_triangles(void *user, size_t begin, size_t end, uint32_t worker
             int edge = facing > 0 ? was[k] : was[(k + 1) % 3];
             in_order |= (w->ends[from] >> edge & 1) << k;
         }
-        t->ends = (uint8_t)in_order;
+        w->s->tags[n].ends = (uint8_t)in_order;
 
         for (int k = 0; k < 3 && holed; k++) w->s->uvq[n - w->s->holed_first][k] = p->uvq[from - p->holed_first][was[k]];
     }
@@ -207,15 +207,18 @@ static vxs_result make(maker *w, uint32_t threads)
     free(first);
     w->order = members;
     if (r != VXS_OK || (r = take_masks(w)) != VXS_OK) return r;
-    if (!(w->s->all = pages_alloc((w->s->count + 1) * sizeof *w->s->all))) return VXS_E_MEMORY;
+    w->s->all  = pages_alloc((w->s->count + 1) * sizeof *w->s->all);
+    w->s->tags = pages_alloc((w->s->count + 1) * sizeof *w->s->tags);
+    if (!w->s->all || !w->s->tags) return VXS_E_MEMORY;
     parallel_for(threads, w->s->count, GRAIN, make_triangles, w);
     return VXS_OK;
 }
 
 uint64_t sparse_triangles_bytes(const projection *p)
 {
-    const maker *w     = NULL; /* for sizeof only */
-    uint64_t     whole = sizeof *w->facing + sizeof *w->patch_of + sizeof *w->ends + sizeof *w->order + sizeof *w->s->all;
+    const maker *w = NULL; /* for sizeof only */
+    uint64_t     whole =
+        sizeof *w->facing + sizeof *w->patch_of + sizeof *w->ends + sizeof *w->order + sizeof *w->s->all + sizeof *w->s->tags;
     return p->triangle_count * whole + (p->triangle_count - p->holed_first) * (sizeof *w->s->uvq + sizeof *w->s->mask_of);
 }
 
@@ -234,6 +237,7 @@ vxs_result sparse_triangles_init(sparse_triangles *s, const projection *p, uint3
 void sparse_triangles_free(sparse_triangles *s)
 {
     free(s->all);
+    free(s->tags);
     free(s->uvq);
     free(s->mask_of);
     *s = (sparse_triangles){0};

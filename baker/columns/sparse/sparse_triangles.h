@@ -21,19 +21,26 @@ enum {
     SPARSE_FACES = 8, /* triangle of a one-sided sheet without holes whose visible side faces the light */
 };
 
+/* As long as a line of a cache. */
 typedef struct sparse_triangle {
-    int32_t  x[3], y[3]; /* subtexels; counter-clockwise for x to the right and y up. Corner 0 has zmin */
-    double   zmin, zmax; /* depths as in columns.h */
-    double   gx, gy;     /* gradient of depth, per subtexel */
-    double   slack;
+    int32_t x[3], y[3]; /* subtexels; counter-clockwise for x to the right and y up. Corner 0 has zmin */
+    double  zmin, zmax; /* depths as in columns.h */
+    double  gx, gy;     /* gradient of depth, per subtexel */
+    double  slack;
+} sparse_triangle;
+
+/* What lists of triangles copy. */
+typedef struct sparse_tags {
     uint32_t patch;
     uint8_t  kind; /* SPARSE_ bits */
     uint8_t  ends; /* bit k: the edge from corner k to the next is on the border of the patch */
-} sparse_triangle;
+    uint16_t none; /* 0 */
+} sparse_tags;
 
 typedef struct sparse_triangles {
     size_t           count;
     sparse_triangle *all;         /* [count] sorted by patch */
+    sparse_tags     *tags;        /* [count] */
     uint32_t         grid;        /* log2 of subtexels per texel */
     size_t           holed_first; /* triangles [holed_first, count) have holes */
     hole_uvq (*uvq)[3];           /* [count - holed_first] for each corner */
@@ -77,14 +84,14 @@ static inline int64_t sparse_edge_at(const sparse_edge *e, int64_t x, int64_t y)
 }
 
 /* Whether it is a back face of a solid, where light may exit. */
-static inline int sparse_is_exit(const sparse_triangle *t)
+static inline int sparse_is_exit(sparse_tags t)
 {
-    return (t->kind & (SPARSE_SOLID | SPARSE_BACK)) == (SPARSE_SOLID | SPARSE_BACK);
+    return (t.kind & (SPARSE_SOLID | SPARSE_BACK)) == (SPARSE_SOLID | SPARSE_BACK);
 }
 
-static inline int sparse_is_sheet(const sparse_triangle *t)
+static inline int sparse_is_sheet(sparse_tags t)
 {
-    return !(t->kind & SPARSE_SOLID);
+    return !(t.kind & SPARSE_SOLID);
 }
 
 /* Patches: adjacent triangles of a map that face the same way.

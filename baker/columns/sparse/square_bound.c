@@ -21,22 +21,22 @@ typedef struct patch_run {
     int      faces;   /* all belong to one-sided sheets that face the light */
 } patch_run;
 
-static inline patch_run patch_run_from(const square_list *l, const sparse_triangles *s, size_t begin)
+static inline patch_run patch_run_from(const square_list *l, size_t begin)
 {
     patch_run r     = {.begin = begin, .end = begin, .lo = INFINITY, .hi = -INFINITY, .covered = INFINITY, .faces = 1};
-    uint32_t  patch = s->all[l->items[begin].id].patch;
-    for (; r.end < l->count && s->all[l->items[r.end].id].patch == patch; r.end++) {
-        const square_entry    *e = &l->items[r.end];
-        const sparse_triangle *t = &s->all[e->id];
-        r.exits |= sparse_is_exit(t);
-        r.sheets |= sparse_is_sheet(t);
-        r.faces &= (t->kind & SPARSE_FACES) != 0;
-        r.sampled += (e->bits & ENTRY_SAMPLE) != 0;
-        r.ends |= (e->bits & ENTRY_END) != 0;
-        r.lo                      = least(r.lo, e->lo);
-        r.hi                      = greatest(r.hi, e->hi);
-        const double if_covers[2] = {INFINITY, e->hi}; /* no branch: it would be unpredictable */
-        r.covered                 = least(r.covered, if_covers[e->bits & ENTRY_COVERS]);
+    uint32_t  patch = l->tags[begin].patch;
+    for (; r.end < l->count && l->tags[r.end].patch == patch; r.end++) {
+        const sparse_tags tags = l->tags[r.end];
+        const uint32_t    bits = l->items[r.end].bits;
+        r.exits |= sparse_is_exit(tags);
+        r.sheets |= sparse_is_sheet(tags);
+        r.faces &= (tags.kind & SPARSE_FACES) != 0;
+        r.sampled += (bits & ENTRY_SAMPLE) != 0;
+        r.ends |= (bits & ENTRY_END) != 0;
+        r.lo                      = least(r.lo, l->lo[r.end]);
+        r.hi                      = greatest(r.hi, l->hi[r.end]);
+        const double if_covers[2] = {INFINITY, l->hi[r.end]}; /* no branch: it would be unpredictable */
+        r.covered                 = least(r.covered, if_covers[bits & ENTRY_COVERS]);
     }
     return r;
 }
@@ -50,17 +50,21 @@ static inline int patch_run_is_missed(const patch_run *r, double known)
 
 enum { LAYERED_MAX = 64 }; /* most triangles of a patch that are sorted by depth; larger groups rarely have gaps */
 
+typedef struct layered_entry {
+    double   lo, hi;
+    uint32_t bits;
+} layered_entry;
+
 /* The greatest depth of the nearest layer of a run that covers the square. */
 static double nearest_layer(const square_list *l, const patch_run *r, double known)
 {
-    square_entry sorted[LAYERED_MAX];
-    size_t       count = r->end - r->begin;
-    double       hi    = -INFINITY;
-    uint32_t     all   = 0; /* bits of the layer */
-    memcpy(sorted, l->items + r->begin, count * sizeof *sorted);
-    for (size_t n = 1; n < count; n++) {
-        square_entry e  = sorted[n];
-        size_t       to = n;
+    layered_entry sorted[LAYERED_MAX];
+    size_t        count = 0;
+    double        hi    = -INFINITY;
+    uint32_t      all   = 0; /* bits of the layer */
+    for (size_t n = r->begin; n < r->end; n++) {
+        layered_entry e  = {l->lo[n], l->hi[n], l->items[n].bits};
+        size_t        to = count++;
         for (; to && sorted[to - 1].lo > e.lo; to--) sorted[to] = sorted[to - 1];
         sorted[to] = e;
     }
@@ -76,26 +80,36 @@ static double nearest_layer(const square_list *l, const patch_run *r, double kno
 }
 
 /* Depth at which the run has covered the square. */
-static double covered_by(const square_list *l, const sparse_triangles *s, const patch_run *r, double known)
+static double covered_by(const square_list *l, const patch_run *r, double known)
 {
     if (r->sampled == 1 && !r->ends) return least(r->covered, r->hi);
     size_t count = r->end - r->begin;
-    if (count < 2 || count > LAYERED_MAX || sparse_is_exit(&s->all[l->items[r->begin].id])) return r->covered;
+    if (count < 2 || count > LAYERED_MAX || sparse_is_exit(l->tags[r->begin])) return r->covered;
     return least(r->covered, nearest_layer(l, r, known));
 }
 
+static inline void move_entry(square_list *l, size_t to, size_t from)
+{
+    l->lo[to]    = l->lo[from];
+    l->hi[to]    = l->hi[from];
+    l->items[to] = l->items[from];
+    l->tags[to]  = l->tags[from];
+}
+
 /* complete  no triangle that begins before this depth was removed from the list */
-static void find_enter_most(square_bound *b, square_list *l, const sparse_triangles *s, double complete)
+static void find_enter_most(square_bound *b, square_list *l, double complete)
 {
     double known = b->enter_most;
     size_t kept  = 0;
     for (size_t begin = 0; begin < l->count;) {
-        patch_run r = patch_run_from(l, s, begin);
+        patch_run r = patch_run_from(l, begin);
         begin       = r.end;
         if (patch_run_is_missed(&r, complete)) continue;
-        b->enter_most = least(b->enter_most, covered_by(l, s, &r, known));
-        memmove(l->items + kept, l->items + r.begin, (r.end - r.begin) * sizeof *l->items);
-        kept += r.end - r.begin;
+        b->enter_most = least(b->enter_most, covered_by(l, &r, known));
+        if (kept == r.begin)
+            kept = r.end;
+        else
+            for (size_t n = r.begin; n < r.end; n++) move_entry(l, kept++, n);
     }
     l->count = kept;
 }
@@ -103,10 +117,10 @@ static void find_enter_most(square_bound *b, square_list *l, const sparse_triang
 /* more don't-care voxels ------------------------------------------------------------------------------------------------------ */
 
 /* Whether a surface lies behind F in every texel. Back faces of solids do not count: they may be the exit. */
-static int is_followed(const square_bound *b, const square_list *l, const sparse_triangles *s)
+static int is_followed(const square_bound *b, const square_list *l)
 {
     for (size_t begin = 0; begin < l->count;) {
-        patch_run r      = patch_run_from(l, s, begin);
+        patch_run r      = patch_run_from(l, begin);
         int       covers = r.covered < INFINITY || (r.sampled && !r.ends);
         if (covers && r.lo > b->enter_most && !r.exits) return 1;
         begin = r.end;
@@ -120,11 +134,11 @@ typedef struct run_depths {
     size_t lo_of, hi_of; /* begin of the runs that have the extreme depths */
 } run_depths;
 
-static run_depths depths_of_runs(const square_list *l, const sparse_triangles *s)
+static run_depths depths_of_runs(const square_list *l)
 {
     run_depths d = {{INFINITY, INFINITY}, {-INFINITY, -INFINITY}, 0, 0};
     for (size_t begin = 0; begin < l->count;) {
-        patch_run r = patch_run_from(l, s, begin);
+        patch_run r = patch_run_from(l, begin);
         if (r.lo < d.lo[0])
             d = (run_depths){{r.lo, d.lo[0]}, {d.hi[0], d.hi[1]}, begin, d.hi_of};
         else
@@ -153,13 +167,12 @@ static double run_exit_least(const square_bound *b, const dont_care_rules *f, co
 
 /* xmin, with more don't-care voxels than the insides of solids.   left_out  triangles that begin behind this depth may be
  * missing */
-static double later_exit_least(const square_bound *b, const square_list *l, const sparse_triangles *s, const dont_care_rules *f,
-                               double left_out)
+static double later_exit_least(const square_bound *b, const square_list *l, const dont_care_rules *f, double left_out)
 {
-    run_depths d    = depths_of_runs(l, s);
+    run_depths d    = depths_of_runs(l);
     double     exit = b->left_out;
     for (size_t begin = 0; begin < l->count;) {
-        patch_run r = patch_run_from(l, s, begin);
+        patch_run r = patch_run_from(l, begin);
         if (r.exits || r.sheets) exit = least(exit, run_exit_least(b, f, &r, &d, left_out));
         begin = r.end;
     }
@@ -168,29 +181,29 @@ static double later_exit_least(const square_bound *b, const square_list *l, cons
 
 /* the square ------------------------------------------------------------------------------------------------------------------ */
 
-void square_bound_tighten(square_bound *b, square_list *l, const sparse_triangles *s, const dont_care_rules *f)
+void square_bound_tighten(square_bound *b, square_list *l, const dont_care_rules *f)
 {
     size_t kept   = 0;
     double nearer = INFINITY;
-    find_enter_most(b, l, s, f->behind && !b->behind ? INFINITY : b->enter_most);
-    if (f->behind && !b->behind) b->behind = is_followed(b, l, s);
+    find_enter_most(b, l, f->behind && !b->behind ? INFINITY : b->enter_most);
+    if (f->behind && !b->behind) b->behind = is_followed(b, l);
 
     /* triangles that begin behind this depth no longer matter */
     const double limit = !dont_care_needs_next(f)  ? b->enter_most
                          : f->behind && !b->behind ? INFINITY
                                                    : dont_care_through(f, b->enter_most);
     for (size_t n = 0; n < l->count; n++) {
-        const square_entry    *e = &l->items[n];
-        const sparse_triangle *t = &s->all[e->id];
-        if (e->lo > limit) {
-            if (sparse_is_exit(t)) b->left_out = least(b->left_out, e->lo);
+        const double      lo   = l->lo[n];
+        const sparse_tags tags = l->tags[n];
+        if (lo > limit) {
+            if (sparse_is_exit(tags)) b->left_out = least(b->left_out, lo);
             continue;
         }
-        if (sparse_is_exit(t) || sparse_is_sheet(t)) nearer = least(nearer, e->lo);
-        l->items[kept++] = *e;
+        if (sparse_is_exit(tags) || sparse_is_sheet(tags)) nearer = least(nearer, lo);
+        move_entry(l, kept++, n);
     }
     l->count      = kept;
-    b->exit_least = dont_care_needs_next(f) ? later_exit_least(b, l, s, f, limit) : least(nearer, b->left_out);
+    b->exit_least = dont_care_needs_next(f) ? later_exit_least(b, l, f, limit) : least(nearer, b->left_out);
 }
 
 /* Depths in a square of texels, relative to a plane. Surfaces one behind the other often have nearly the same slope. Relative to a
@@ -206,17 +219,18 @@ typedef struct lean {
 /* Take the plane of the farthest triangle that covers the square: usually the ground, or a floor. */
 static inline lean lean_of(const square_list *l, const sparse_triangles *s, texel_square at)
 {
-    const square_entry *farthest = NULL;
+    size_t farthest = SIZE_MAX;
     for (size_t n = 0; n < l->count; n++)
-        if (l->items[n].bits & ENTRY_COVERS && (!farthest || l->items[n].lo > farthest->lo)) farthest = &l->items[n];
-    const double px = (double)((int64_t)1 << s->grid);
-    lean         w  = {.x    = (at.u + at.side / 2.0) * px,
-                       .y    = (at.v + at.side / 2.0) * px,
-                       .half = (at.side - 1) / 2.0 * px,
-                       .gx   = farthest ? s->all[farthest->id].gx : 0,
-                       .gy   = farthest ? s->all[farthest->id].gy : 0};
-    w.steep         = (fabs(w.gx) + fabs(w.gy)) * w.half;
-    w.slack         = ldexp(w.steep, -45);
+        if (l->items[n].bits & ENTRY_COVERS && (farthest == SIZE_MAX || l->lo[n] > l->lo[farthest])) farthest = n;
+    const sparse_triangle *plane = farthest == SIZE_MAX ? NULL : &s->all[l->items[farthest].id];
+    const double           px    = (double)((int64_t)1 << s->grid);
+    lean                   w     = {.x    = (at.u + at.side / 2.0) * px,
+                                    .y    = (at.v + at.side / 2.0) * px,
+                                    .half = (at.side - 1) / 2.0 * px,
+                                    .gx   = plane ? plane->gx : 0,
+                                    .gy   = plane ? plane->gy : 0};
+    w.steep                      = (fabs(w.gx) + fabs(w.gy)) * w.half;
+    w.slack                      = ldexp(w.steep, -45);
     return w;
 }
 
@@ -235,11 +249,11 @@ typedef struct layers {
 static const layer nothing = {INFINITY, -INFINITY, INFINITY};
 
 /* Add a triangle; covers: it covers the square. Back faces count wherever they may be, front faces only where they are certain. */
-static void add(layers *y, const sparse_triangle *t, const layer *of, int covers)
+static void add(layers *y, sparse_tags tags, const layer *of, int covers)
 {
     if (!covers) y->partial = least(y->partial, of->near);
-    if (sparse_is_sheet(t)) return; /* a ray meets it after a solid */
-    if (sparse_is_exit(t))
+    if (sparse_is_sheet(tags)) return; /* a ray meets it after a solid */
+    if (sparse_is_exit(tags))
         y->backs[y->back_count++] = *of;
     else if (covers)
         y->fronts[y->front_count++] = *of;
@@ -253,8 +267,7 @@ typedef struct patch_items {
 
 /* Depths that are known without counting, from the nearest possible exit face. Returns the number of patches; 0: a texel may have
  * met a sheet first, or may have exited before another one enters. */
-static size_t find_patches(patch_items *patches, const square_list *l, const sparse_triangles *s, const square_bound *outer,
-                           square_parting *out)
+static size_t find_patches(patch_items *patches, const square_list *l, const square_bound *outer, square_parting *out)
 {
     const double known = outer->enter_most;
     double       sheet = INFINITY;
@@ -262,7 +275,7 @@ static size_t find_patches(patch_items *patches, const square_list *l, const spa
     out->enter_most    = known;
     out->exit_least    = outer->left_out;
     for (size_t n = 0; n < l->count;) {
-        const patch_run r     = patch_run_from(l, s, n);
+        const patch_run r     = patch_run_from(l, n);
         const int       whole = !r.ends && r.hi < known && r.sampled == 1; /* and no part of it was removed in larger squares */
         n                     = r.end;
         out->enter_most       = least(out->enter_most, whole ? least(r.covered, r.hi) : r.covered);
@@ -276,25 +289,24 @@ static size_t find_patches(patch_items *patches, const square_list *l, const spa
 
 static void add_patch(layers *y, const lean *w, const square_list *l, const sparse_triangles *s, const patch_items *p)
 {
-    const sparse_triangle *first = &s->all[l->items[p->begin].id];
-    layer                  all   = nothing;
+    const sparse_tags first = l->tags[p->begin];
+    layer             all   = nothing;
     for (size_t n = p->begin; n < p->end; n++) {
-        const square_entry *e  = &l->items[n];
-        layer               of = {.lo = e->lo};
+        layer of = {.lo = l->lo[n]};
 
         /* its depth range, relative to the plane */
-        const sparse_triangle *t      = &s->all[e->id];
+        const sparse_triangle *t      = &s->all[l->items[n].id];
         const double           middle = t->zmin + t->gy * (w->y - t->y[0]) + t->gx * (w->x - t->x[0]);
         const double           rise   = (fabs(t->gx - w->gx) + fabs(t->gy - w->gy)) * (w->half * (1 + 1e-12)) + t->slack + w->slack;
-        of.near                       = greatest(middle - rise, e->lo - w->steep - w->slack);
-        of.far                        = least(middle + rise, e->hi + w->steep + w->slack);
+        of.near                       = greatest(middle - rise, l->lo[n] - w->steep - w->slack);
+        of.far                        = least(middle + rise, l->hi[n] + w->steep + w->slack);
 
         if (p->is_whole) {
             all.near = least(all.near, of.near);
             all.far  = greatest(all.far, of.far);
             all.lo   = least(all.lo, of.lo);
         } else
-            add(y, first, &of, (e->bits & ENTRY_COVERS) != 0);
+            add(y, first, &of, (l->items[n].bits & ENTRY_COVERS) != 0);
     }
     if (p->is_whole) add(y, first, &all, 1);
 }
@@ -331,7 +343,7 @@ int square_settle(const square_list *l, const sparse_triangles *s, texel_square 
     layers      y;
     patch_items patches[SETTLE_LIST_MAX];
     if (l->count > SETTLE_LIST_MAX) return 0;
-    const size_t count = find_patches(patches, l, s, outer, out);
+    const size_t count = find_patches(patches, l, outer, out);
     if (!count) return 0;
     const lean w  = lean_of(l, s, at);
     y.front_count = 0;

@@ -63,7 +63,7 @@ typedef struct square_bound {
 
 /* Tighten the bounds of the larger square around it with the square's own list, and remove triangles that no longer matter from
  * the list. */
-void square_bound_tighten(square_bound *b, square_list *l, const sparse_triangles *s, const dont_care_rules *f);
+void square_bound_tighten(square_bound *b, square_list *l, const dont_care_rules *f);
 
 /* Whether the list of a small square settles it without a loss against a look at each texel.
  *

@@ -1,153 +1,206 @@
 /* Triangles against squares; see square_list.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/columns/sparse/square_list.h"
-#include "baker/base/array.h"
+
+#include <stdlib.h>
+
 #include "baker/columns/sparse/lanes.h"
 
-enum { QUARTERS = 4, AT_ONCE = 64 }; /* triangles between checks of the lists' capacity */
-
-/* Vectors of four quarters, at all levels: with SSE2 each is two registers. The type is not used outside this file. */
-typedef double  f64x4 __attribute__((vector_size(32)));
-typedef int64_t i64x4 __attribute__((vector_size(32)));
-
-static inline f64x4 f64x4_all(double value)
-{
-    return value - (f64x4){0};
-}
-
-static inline f64x4 f64x4_max(f64x4 a, f64x4 b)
-{
-#ifdef __AVX2__
-    return (f64x4)_mm256_max_pd((__m256d)a, (__m256d)b);
-#else
-    const i64x4 mask = (i64x4)(a > b);
-    return (f64x4)(((i64x4)a & mask) | ((i64x4)b & ~mask));
-#endif
-}
-
-static inline f64x4 f64x4_min(f64x4 a, f64x4 b)
-{
-#ifdef __AVX2__
-    return (f64x4)_mm256_min_pd((__m256d)a, (__m256d)b);
-#else
-    const i64x4 mask = (i64x4)(a < b);
-    return (f64x4)(((i64x4)a & mask) | ((i64x4)b & ~mask));
-#endif
-}
-
-static inline uint32_t i64x4_negative(i64x4 v)
-{
-#ifdef __AVX2__
-    return (uint32_t)_mm256_movemask_pd((__m256d)v);
-#else
-    return (uint32_t)(v[0] < 0) | (uint32_t)(v[1] < 0) << 1 | (uint32_t)(v[2] < 0) << 2 | (uint32_t)(v[3] < 0) << 3;
-#endif
-}
+enum { QUARTERS = 4, LOADED_AHEAD = 16, LEAST_CAPACITY = 64 };
 
 /* Constants for all triangles. */
 typedef struct splitter {
-    int64_t x, y; /* middle of the square, subtexels */
-    int64_t step; /* from there to the centres of the quarters, along x and y; 0: the whole square in place of quarters */
-    int64_t half; /* of the side of the box of a quarter's texel centres */
-    f64x4   middle_x, middle_y;
+    const sparse_triangles *s;
+    i64s                    x, y;      /* middle of the square, subtexels */
+    i64s                    step;      /* from there to the centres of the quarters, along x and y; 0: one square, not quarters */
+    i64s                    half;      /* of the side of the box of a quarter's texel centres */
+    uint32_t                side_log2; /* of half of a quarter's side, subtexels */
+    double                  middle_x[2], middle_y[2];
 } splitter;
-
-static const i64x4 left = {-1, 0, -1, 0}, below = {-1, -1, 0, 0}; /* masks of quarters */
 
 static splitter splitter_of(const sparse_triangles *s, texel_square square, uint32_t side)
 {
-    splitter w = {.x    = ((int64_t)(2 * square.u + square.side) << s->grid) / 2,
-                  .y    = ((int64_t)(2 * square.v + square.side) << s->grid) / 2,
-                  .step = ((int64_t)(square.side - side) << s->grid) / 2,
-                  .half = ((int64_t)(side - 1) << s->grid) / 2};
-    for (int n = 0; n < QUARTERS; n++) {
-        w.middle_x[n] = (double)(n & 1 ? w.x + w.step : w.x - w.step);
-        w.middle_y[n] = (double)(n & 2 ? w.y + w.step : w.y - w.step);
-    }
-    return w;
+    const int64_t x    = ((int64_t)(2 * square.u + square.side) << s->grid) / 2,
+                  y    = ((int64_t)(2 * square.v + square.side) << s->grid) / 2;
+    const int64_t step = ((int64_t)(square.side - side) << s->grid) / 2, half = ((int64_t)(side - 1) << s->grid) / 2;
+    return (splitter){.s         = s,
+                      .x         = i64s_all(x),
+                      .y         = i64s_all(y),
+                      .step      = i64s_all(step),
+                      .half      = i64s_all(half),
+                      .side_log2 = log2_u32(side) + s->grid - 1,
+                      .middle_x  = {(double)(x - step), (double)(x + step)},
+                      .middle_y  = {(double)(y - step), (double)(y + step)}};
 }
 
-/* The number, negated where the mask is set. */
-static i64x4 turned(int64_t number, i64x4 mask)
+/* LANES triangles: one in each element. */
+typedef struct triangle_lanes {
+    i64s x[3], y[3];
+    f64s x0, y0, zmin, zmax, gx, gy, slack;
+    u64s id, tags;
+} triangle_lanes;
+
+static inline uint64_t eight_bytes(const void *from)
 {
-    return ((number - (i64x4){0}) ^ mask) - mask;
+    uint64_t bytes;
+    memcpy(&bytes, from, sizeof bytes);
+    return bytes;
 }
 
-/* Results for the four quarters, as bits. */
+/* Two 32-bit numbers of each element. */
+static inline void halves_of(u64s pairs, i32s *first, i32s *second)
+{
+    *first  = __builtin_convertvector(pairs, i32s);
+    *second = __builtin_convertvector(pairs >> 32, i32s);
+}
+
+static inline triangle_lanes load(const sparse_triangles *s, const uint32_t ids[LANES])
+{
+#define TRIANGLE(n) (&s->all[ids[n]])
+#define X01(n)      eight_bytes(&TRIANGLE(n)->x[0])
+#define X2Y0(n)     eight_bytes(&TRIANGLE(n)->x[2])
+#define Y12(n)      eight_bytes(&TRIANGLE(n)->y[1])
+#define ID(n)       ids[n]
+#define TAGS(n)     eight_bytes(&s->tags[ids[n]])
+#define ZMIN(n)     TRIANGLE(n)->zmin
+#define ZMAX(n)     TRIANGLE(n)->zmax
+#define GX(n)       TRIANGLE(n)->gx
+#define GY(n)       TRIANGLE(n)->gy
+#define SLACK(n)    TRIANGLE(n)->slack
+    triangle_lanes t = {.zmin  = EACH_LANE(ZMIN),
+                        .zmax  = EACH_LANE(ZMAX),
+                        .gx    = EACH_LANE(GX),
+                        .gy    = EACH_LANE(GY),
+                        .slack = EACH_LANE(SLACK),
+                        .id    = EACH_LANE(ID),
+                        .tags  = EACH_LANE(TAGS)};
+    i32s           x[3], y[3];
+    halves_of((u64s)EACH_LANE(X01), &x[0], &x[1]);
+    halves_of((u64s)EACH_LANE(X2Y0), &x[2], &y[0]);
+    halves_of((u64s)EACH_LANE(Y12), &y[1], &y[2]);
+    for (int k = 0; k < 3; k++) {
+        t.x[k] = __builtin_convertvector(x[k], i64s);
+        t.y[k] = __builtin_convertvector(y[k], i64s);
+    }
+    t.x0 = __builtin_convertvector(x[0], f64s);
+    t.y0 = __builtin_convertvector(y[0], f64s);
+    return t;
+}
+
+/* Results for a quarter: negative elements mean yes. */
 typedef struct quarter_answer {
-    uint32_t missed, uncovered, unsampled, ended;
-    double   lo[QUARTERS], hi[QUARTERS];
+    i64s missed, uncovered, unsampled, ended;
+    f64s lo, hi;
 } quarter_answer;
 
-/* Quarters whose box does not overlap the box of an edge. */
-static uint32_t apart_from(const splitter *w, const sparse_triangle *t, int k)
+static inline f64s f64s_absolute(f64s v)
 {
-    const int     next = k < 2 ? k + 1 : 0;
-    const int64_t x0 = min_i32(t->x[k], t->x[next]) - w->half - w->x, x1 = max_i32(t->x[k], t->x[next]) + w->half - w->x;
-    const int64_t y0 = min_i32(t->y[k], t->y[next]) - w->half - w->y, y1 = max_i32(t->y[k], t->y[next]) + w->half - w->y;
-    uint32_t      outside = 0;
-    if (x1 < w->step || x0 > w->step) outside |= 10; /* the right ones */
-    if (x1 < -w->step || x0 > -w->step) outside |= 5;
-    if (y1 < w->step || y0 > w->step) outside |= 12; /* the upper ones */
-    if (y1 < -w->step || y0 > -w->step) outside |= 3;
-    return outside;
+    return (f64s)((i64s)v & INT64_MAX);
 }
 
-static quarter_answer ask(const splitter *w, const sparse_triangle *t, int covers)
+/* Depth range of the triangles in a quarter. If it is empty, the plane is outside the triangle's depth range there. */
+static inline quarter_answer depths_in(const splitter *w, const triangle_lanes *t, int quarter)
 {
-    /* Depth range of the triangle in each quarter. If it is empty, the plane is outside the triangle's depth range there. */
-    const double   steep = (t->gx < 0 ? -t->gx : t->gx) + (t->gy < 0 ? -t->gy : t->gy), rise = steep * (double)w->half + t->slack;
-    const f64x4    depth = t->zmin + t->gy * (w->middle_y - t->y[0]) + t->gx * (w->middle_x - t->x[0]);
-    const f64x4    lo = f64x4_max(depth - rise, f64x4_all(t->zmin)), hi = f64x4_min(depth + rise, f64x4_all(t->zmax));
-    quarter_answer q = {.missed = i64x4_negative((i64x4)(lo > hi))};
-    memcpy(q.lo, &lo, sizeof lo);
-    memcpy(q.hi, &hi, sizeof hi);
-    if (covers) return q;
-
-    i64x4 missed = {0}, uncovered = {0}, unsampled = {0}; /* negative: the box is missed, not all covered, its centre is not
-                                                             covered */
-    for (int k = 0; k < 3; k++) {
-        const sparse_edge e  = sparse_edge_of(t, k);
-        const int64_t     at = sparse_edge_at(&e, w->x, w->y), reach = ((e.a < 0 ? -e.a : e.a) + (e.b < 0 ? -e.b : e.b)) * w->half;
-        const i64x4       middle = at + turned(e.a * w->step, left) + turned(e.b * w->step, below), least = middle - reach;
-        missed |= middle + reach;
-        uncovered |= least;
-        unsampled |= middle;
-        if (t->ends >> k & 1) {
-            uint32_t crossed = i64x4_negative(least);
-            if (crossed) q.ended |= crossed & ~apart_from(w, t, k);
-        }
-    }
-    q.missed |= i64x4_negative(missed);
-    q.uncovered = i64x4_negative(uncovered);
-    q.unsampled = i64x4_negative(unsampled);
+    const f64s     rise  = (f64s_absolute(t->gx) + f64s_absolute(t->gy)) * (double)w->half[0] + t->slack;
+    const f64s     depth = t->zmin + t->gy * (w->middle_y[quarter >> 1] - t->y0) + t->gx * (w->middle_x[quarter & 1] - t->x0);
+    quarter_answer q     = {.lo = f64s_max(depth - rise, t->zmin), .hi = f64s_min(depth + rise, t->zmax)};
+    q.missed             = (i64s)(q.lo > q.hi);
     return q;
 }
 
-/* Add the triangle to a list with spare capacity, unless the quarter is missed. */
-static inline void add(square_list *l, const quarter_answer *q, int quarter, uint32_t id, int holed)
+/* Put the edge from corner k to the next into the answers. */
+static inline void ask_edge(const splitter *w, const triangle_lanes *t, int k, quarter_answer *answers, int count)
 {
-    uint32_t bits = (q->uncovered >> quarter & 1 ? 0u : ENTRY_COVERS) | (q->unsampled >> quarter & 1 ? 0u : ENTRY_SAMPLE) |
-                    (q->ended >> quarter & 1 ? ENTRY_END : 0u);
-    if (holed) bits = ENTRY_END; /* it may cover any texels */
-    l->items[l->count] = (square_entry){q->lo[quarter], q->hi[quarter], id, bits};
-    l->count += !(q->missed >> quarter & 1);
+    /* a (x - x0) + b (y - y0) - c of sparse_edge, at the middle. The sign of a 2^32 + b says who owns the edge */
+    const int  next = k < 2 ? k + 1 : 0;
+    const i64s a = t->y[k] - t->y[next], b = t->x[next] - t->x[k], dx = w->x - t->x[k], dy = w->y - t->y[k];
+    const i64s c  = (i64s)((u64s)((a << 32) + b - 1) >> 63);
+    const i64s at = i64s_product(a, dx) + i64s_product(b, dy) - c;
+
+    /* half of the side of the box of texel centres: that of the quarter, less half a texel */
+    const i64s a_sign = a >> 63, b_sign = b >> 63, both = ((a ^ a_sign) - a_sign) + ((b ^ b_sign) - b_sign);
+    const i64s reach = (both << w->side_log2) - (both << (w->s->grid - 1));
+
+    /* the box of the edge, with `half` around it, from the middle: quarters apart from it; negative elements mean yes */
+    const i64s ends = (i64s)(t->tags << (63 - (40 + (uint32_t)k)));
+    const i64s x0 = (b & b_sign) - w->half - dx, x1 = (b & ~b_sign) + w->half - dx;
+    const i64s y0 = (-a & ~a_sign) - w->half - dy, y1 = (-a & a_sign) + w->half - dy;
+
+    const i64s along_x = a << w->side_log2, along_y = b << w->side_log2;
+    for (int n = 0; n < count; n++) {
+        const i64s x = n & 1 ? w->step : -w->step, y = n & 2 ? w->step : -w->step;
+        const i64s middle = count == 1 ? at : at + (n & 1 ? along_x : -along_x) + (n & 2 ? along_y : -along_y);
+        const i64s less = middle - reach, apart = (x1 - x) | (x - x0) | (y1 - y) | (y - y0);
+        answers[n].missed |= middle + reach;
+        answers[n].uncovered |= less;
+        answers[n].unsampled |= middle;
+        answers[n].ended |= less & ends & ~apart;
+    }
 }
 
-static int make_room(square_list *l)
+/* Add the triangles in `valid` elements to a list, unless the quarter is missed. */
+static inline void add(square_list *l, const triangle_lanes *t, const quarter_answer *q, uint32_t valid)
 {
-    return array_reserve(&l->items, &l->capacity, l->count + AT_ONCE, sizeof *l->items);
+    const u64s holed = (u64s)((i64s)(t->tags << (63 - 34)) >> 63); /* it may cover any texels */
+    u64s       bits  = ((u64s)~q->uncovered >> 63) * ENTRY_COVERS | ((u64s)q->ended >> 63) * ENTRY_END |
+                ((u64s)~q->unsampled >> 63) * ENTRY_SAMPLE;
+    bits                = (bits & ~holed) | (ENTRY_END & holed);
+    const uint32_t kept = ~i64s_negative(q->missed) & valid;
+    lanes_pack(l->lo + l->count, kept, (i64s)q->lo);
+    lanes_pack(l->hi + l->count, kept, (i64s)q->hi);
+    lanes_pack(l->items + l->count, kept, (i64s)(t->id | bits << 32));
+    lanes_pack(l->tags + l->count, kept, (i64s)t->tags);
+    l->count += (size_t)__builtin_popcount(kept);
+}
+
+/* Add triangles to the lists of quarters, or to one list.   covers  those that cover the larger square */
+static inline void ask(const splitter *w, const triangle_lanes *t, i64s covers, square_list *lists, int count, uint32_t valid)
+{
+    quarter_answer answers[QUARTERS];
+    const i64s     tested = ~covers;
+    for (int n = 0; n < count; n++) answers[n] = depths_in(w, t, n);
+    if (i64s_negative(tested)) {
+        quarter_answer edges[QUARTERS] = {0};
+        for (int k = 0; k < 3; k++) ask_edge(w, t, k, edges, count);
+        for (int n = 0; n < count; n++) {
+            answers[n].missed |= edges[n].missed & tested;
+            answers[n].uncovered = edges[n].uncovered & tested;
+            answers[n].unsampled = edges[n].unsampled & tested;
+            answers[n].ended     = edges[n].ended & tested;
+        }
+    }
+    for (int n = 0; n < count; n++) add(&lists[n], t, &answers[n], valid);
+}
+
+/* Empty a list, with room for `count` entries and those that lanes_pack stores after them. */
+static int empty(square_list *l, size_t count)
+{
+    l->count = 0;
+    if (count <= l->capacity && l->lo) return 1;
+    size_t room = LEAST_CAPACITY;
+    while (room < count) room *= 2;
+    free(l->lo);
+    *l = (square_list){.lo       = malloc((room + LANES_MAX) * (2 * sizeof *l->lo + sizeof *l->items + sizeof *l->tags)),
+                       .capacity = room};
+    if (!l->lo) return 0;
+    l->hi    = l->lo + room + LANES_MAX;
+    l->items = (square_entry *)(l->hi + room + LANES_MAX);
+    l->tags  = (sparse_tags *)(l->items + room + LANES_MAX);
+    return 1;
 }
 
 int AT_LEVEL(square_list_gather)(square_list *l, const sparse_triangles *s, const uint32_t *ids, size_t count, texel_square square)
 {
     const splitter w = splitter_of(s, square, square.side);
-    l->count         = 0;
-    for (size_t n = 0; n < count; n++) {
-        if (n % AT_ONCE == 0 && !make_room(l)) return 0;
-        const sparse_triangle *t = &s->all[ids[n]];
-        quarter_answer         q = ask(&w, t, 0);
-        add(l, &q, 0, ids[n], t->kind & SPARSE_HOLED);
+    if (!empty(l, count)) return 0;
+    for (size_t n = 0; n < count; n += LANES) {
+        uint32_t some[LANES];
+        for (size_t k = 0; k < LANES; k++) {
+            some[k] = ids[n + k < count ? n + k : count - 1];
+            __builtin_prefetch(&s->all[ids[n + k + LOADED_AHEAD < count ? n + k + LOADED_AHEAD : count - 1]]);
+        }
+        const triangle_lanes t = load(s, some);
+        ask(&w, &t, i64s_all(0), l, 1, count - n < LANES ? (1u << (count - n)) - 1 : ALL_LANES);
     }
     return 1;
 }
@@ -155,14 +208,18 @@ int AT_LEVEL(square_list_gather)(square_list *l, const sparse_triangles *s, cons
 int AT_LEVEL(square_list_split)(square_list quarter[4], const sparse_triangles *s, const square_list *l, texel_square square)
 {
     const splitter w = splitter_of(s, square, square.side / 2);
-    for (int k = 0; k < QUARTERS; k++) quarter[k].count = 0;
-    for (size_t n = 0; n < l->count; n++) {
-        for (int k = 0; k < QUARTERS && n % AT_ONCE == 0; k++)
-            if (!make_room(&quarter[k])) return 0;
-        const square_entry    *e = &l->items[n];
-        const sparse_triangle *t = &s->all[e->id];
-        quarter_answer         q = ask(&w, t, e->bits & ENTRY_COVERS);
-        for (int k = 0; k < QUARTERS; k++) add(&quarter[k], &q, k, e->id, t->kind & SPARSE_HOLED);
+    for (int k = 0; k < QUARTERS; k++)
+        if (!empty(&quarter[k], l->count)) return 0;
+    for (size_t n = 0; n < l->count; n += LANES) {
+        uint32_t some[LANES];
+        u64s     covers = {0};
+        for (size_t k = 0; k < LANES; k++) {
+            const square_entry e = l->items[n + k < l->count ? n + k : l->count - 1];
+            some[k]              = e.id;
+            covers[k]            = e.bits & ENTRY_COVERS;
+        }
+        const triangle_lanes t = load(s, some);
+        ask(&w, &t, -(i64s)covers, quarter, QUARTERS, l->count - n < LANES ? (1u << (l->count - n)) - 1 : ALL_LANES);
     }
     return 1;
 }

@@ -14,13 +14,15 @@ enum {
 };
 
 typedef struct square_entry {
-    double   lo, hi; /* range of the triangle's depths in the square, both computed and true ones */
-    uint32_t id;     /* index of the triangle; ascending in a list, so that triangles of a patch are adjacent */
-    uint32_t bits;   /* ENTRY_ flags */
+    uint32_t id;   /* index of the triangle; ascending in a list, so that triangles of a patch are adjacent */
+    uint32_t bits; /* ENTRY_ flags */
 } square_entry;
 
+/* An array for each field, so that vectors of entries are stored at once. */
 typedef struct square_list {
+    double       *lo, *hi; /* range of the triangle's depths in the square, both computed and true ones. lo owns all arrays */
     square_entry *items;
+    sparse_tags  *tags; /* of the triangle */
     size_t        count, capacity;
 } square_list;
 
@@ -49,7 +51,7 @@ typedef int square_list_gather(square_list *l, const sparse_triangles *s, const 
 typedef int square_list_split(square_list quarter[4], const sparse_triangles *s, const square_list *l, texel_square square);
 
 /* One for each level of cpu.h; see lanes.h. */
-square_list_gather square_list_gather_sse2, square_list_gather_avx2;
-square_list_split  square_list_split_sse2, square_list_split_avx2;
+square_list_gather square_list_gather_sse2, square_list_gather_avx2, square_list_gather_avx512;
+square_list_split  square_list_split_sse2, square_list_split_avx2, square_list_split_avx512;
 
 #endif
