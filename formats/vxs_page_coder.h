@@ -26,9 +26,10 @@
 #endif
 
 #ifdef __GNUC__
-#define PAGE_INLINE       static inline __attribute__((always_inline))
-#define page_first_bit(x) ((uint32_t)__builtin_ctz(x))
-#define page_last_bit(x)  (31 - (uint32_t)__builtin_clz(x))
+#define PAGE_INLINE          static inline __attribute__((always_inline))
+#define page_first_bit(x)    ((uint32_t)__builtin_ctz(x))
+#define page_last_bit(x)     (31 - (uint32_t)__builtin_clz(x))
+#define page_first_bit_64(x) ((uint32_t)__builtin_ctzll(x))
 #else
 #define PAGE_INLINE static inline
 static inline uint32_t page_first_bit(uint32_t x)
@@ -36,6 +37,10 @@ static inline uint32_t page_first_bit(uint32_t x)
     uint32_t n = 0;
     while (!(x >> n & 1)) n++;
     return n;
+}
+static inline uint32_t page_first_bit_64(uint64_t x)
+{
+    return (uint32_t)x ? page_first_bit((uint32_t)x) : 32 + page_first_bit((uint32_t)(x >> 32));
 }
 static inline uint32_t page_last_bit(uint32_t x)
 {
@@ -68,40 +73,27 @@ static const uint8_t nibble_rate[161] = {
     6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6,
     6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 6, 7};
 
-/* The sums of the distribution that has only symbol s: every other symbol keeps odds of 1. */
-#define TOWARDS(s, i) ((i) <= (s) ? (i) : ODDS_ONE - 16 + (i))
-#define TOWARDS_ROW(s)                                                                                                             \
-    {                                                                                                                              \
-        TOWARDS(s, 0), TOWARDS(s, 1), TOWARDS(s, 2), TOWARDS(s, 3), TOWARDS(s, 4), TOWARDS(s, 5), TOWARDS(s, 6), TOWARDS(s, 7),    \
-            TOWARDS(s, 8), TOWARDS(s, 9), TOWARDS(s, 10), TOWARDS(s, 11), TOWARDS(s, 12), TOWARDS(s, 13), TOWARDS(s, 14),          \
-            TOWARDS(s, 15)                                                                                                         \
-    }
-static const _Alignas(16) uint16_t nibble_towards[16][16] = {
-    TOWARDS_ROW(0),  TOWARDS_ROW(1),  TOWARDS_ROW(2),  TOWARDS_ROW(3),  TOWARDS_ROW(4),  TOWARDS_ROW(5),
-    TOWARDS_ROW(6),  TOWARDS_ROW(7),  TOWARDS_ROW(8),  TOWARDS_ROW(9),  TOWARDS_ROW(10), TOWARDS_ROW(11),
-    TOWARDS_ROW(12), TOWARDS_ROW(13), TOWARDS_ROW(14), TOWARDS_ROW(15),
-};
-
-/* The symbol whose part of the odds contains `at`, 0..ODDS_ONE - 1. */
-PAGE_INLINE uint32_t nibble_at_plain(const nibble_odds *odds, uint32_t at)
-{
-    uint32_t count = 0;
-    for (int n = 0; n < 16; n++) count += odds->from[n] <= at;
-    return count - 1;
-}
-
-PAGE_INLINE void nibble_learn_plain(nibble_odds *odds, uint32_t symbol, uint32_t rate)
-{
-    for (int n = 0; n < 16; n++) odds->from[n] = (uint16_t)(odds->from[n] + ((nibble_towards[symbol][n] - odds->from[n]) >> rate));
-}
+/* A symbol is found as the sums behind it: those above a number `at` within its odds. Learning moves all sums towards those of the
+ * distribution that has only this symbol, where every other symbol keeps odds of 1: sum n is n up to the symbol, and n + REST
+ * behind it. So learning does not wait for the symbol's number. */
+enum { REST = ODDS_ONE - 16 };
 
 #ifdef PAGE_SSE2
 
-PAGE_INLINE uint32_t nibble_at(const nibble_odds *odds, uint32_t at)
+typedef struct nibble {
+    __m128i low, high; /* masks of eight sums each */
+} nibble;
+
+/* The symbol whose part of the odds contains `at`, 0..ODDS_ONE - 1. */
+PAGE_INLINE nibble nibble_at(const nibble_odds *odds, uint32_t at)
 {
     const __m128i *from = (const __m128i *)odds->from, all = _mm_set1_epi16((int16_t)at);
-    __m128i behind = _mm_packs_epi16(_mm_cmpgt_epi16(_mm_load_si128(from), all), _mm_cmpgt_epi16(_mm_load_si128(from + 1), all));
-    return page_first_bit((uint32_t)_mm_movemask_epi8(behind) | 0x10000) - 1;
+    return (nibble){_mm_cmpgt_epi16(_mm_load_si128(from), all), _mm_cmpgt_epi16(_mm_load_si128(from + 1), all)};
+}
+
+PAGE_INLINE uint32_t nibble_number(nibble behind)
+{
+    return page_first_bit((uint32_t)_mm_movemask_epi8(_mm_packs_epi16(behind.low, behind.high)) | 0x10000) - 1;
 }
 
 PAGE_INLINE __m128i shift_right(__m128i x, uint32_t bits)
@@ -113,25 +105,44 @@ PAGE_INLINE __m128i shift_right(__m128i x, uint32_t bits)
 #endif
 }
 
-PAGE_INLINE void nibble_learn(nibble_odds *odds, uint32_t symbol, uint32_t rate)
+PAGE_INLINE void learn_eight(__m128i *from, __m128i numbers, __m128i behind, uint32_t rate)
 {
-    const __m128i *to   = (const __m128i *)nibble_towards[symbol];
-    __m128i       *from = (__m128i *)odds->from;
-    __m128i        low = _mm_load_si128(from), high = _mm_load_si128(from + 1);
-    _mm_store_si128(from, _mm_add_epi16(low, shift_right(_mm_sub_epi16(_mm_load_si128(to), low), rate)));
-    _mm_store_si128(from + 1, _mm_add_epi16(high, shift_right(_mm_sub_epi16(_mm_load_si128(to + 1), high), rate)));
+    __m128i sums = _mm_load_si128(from);
+    __m128i way  = _mm_add_epi16(_mm_sub_epi16(numbers, sums), _mm_and_si128(behind, _mm_set1_epi16(REST)));
+    _mm_store_si128(from, _mm_add_epi16(sums, shift_right(way, rate)));
+}
+
+PAGE_INLINE void nibble_learn(nibble_odds *odds, nibble behind, uint32_t rate)
+{
+    __m128i *from = (__m128i *)odds->from;
+    learn_eight(from, _mm_setr_epi16(0, 1, 2, 3, 4, 5, 6, 7), behind.low, rate);
+    learn_eight(from + 1, _mm_setr_epi16(8, 9, 10, 11, 12, 13, 14, 15), behind.high, rate);
 }
 
 #else
 
-PAGE_INLINE uint32_t nibble_at(const nibble_odds *odds, uint32_t at)
+typedef struct nibble {
+    uint32_t number;
+} nibble;
+
+PAGE_INLINE nibble nibble_at(const nibble_odds *odds, uint32_t at)
 {
-    return nibble_at_plain(odds, at);
+    uint32_t count = 0;
+    for (int n = 0; n < 16; n++) count += odds->from[n] <= at;
+    return (nibble){count - 1};
 }
 
-PAGE_INLINE void nibble_learn(nibble_odds *odds, uint32_t symbol, uint32_t rate)
+PAGE_INLINE uint32_t nibble_number(nibble behind)
 {
-    nibble_learn_plain(odds, symbol, rate);
+    return behind.number;
+}
+
+PAGE_INLINE void nibble_learn(nibble_odds *odds, nibble behind, uint32_t rate)
+{
+    for (uint32_t n = 0; n < 16; n++) {
+        int32_t way   = (int32_t)(n + (n > behind.number ? REST : 0)) - odds->from[n];
+        odds->from[n] = (uint16_t)(odds->from[n] + (way >> rate));
+    }
 }
 
 #endif
@@ -210,19 +221,22 @@ PAGE_INLINE void code_symbol(coder *c, const nibble_odds *odds, uint32_t value)
 #endif
 }
 
-PAGE_INLINE void learn(nibble_odds *odds, uint32_t value)
+PAGE_INLINE void learn(nibble_odds *odds, nibble behind)
 {
-    nibble_learn(odds, value, nibble_rate[odds->seen]);
+    nibble_learn(odds, behind, nibble_rate[odds->seen]);
     odds->seen += odds->seen < 160;
 }
 
 PAGE_INLINE uint32_t code_nibble_here(coder *c, nibble_odds *odds, uint32_t value)
 {
-#if !PAGE_ENCODING
-    value = nibble_at(odds, c->now & (ODDS_ONE - 1));
+#if PAGE_ENCODING
+    nibble behind = nibble_at(odds, odds->from[value]);
+#else
+    nibble behind = nibble_at(odds, c->now & (ODDS_ONE - 1));
+    value         = nibble_number(behind);
 #endif
     code_symbol(c, odds, value);
-    learn(odds, value);
+    learn(odds, behind);
     return value;
 }
 
@@ -238,16 +252,22 @@ PAGE_CALL uint32_t code_nibble(coder *c, nibble_odds *odds, uint32_t value)
 PAGE_INLINE uint32_t code_two_nibbles(coder *c, nibble_odds *first, nibble_odds *second, uint32_t apart, uint32_t value)
 {
     uint32_t low = value & 15, high = value >> 4;
-#if !PAGE_ENCODING
-    uint32_t at = c->next & (ODDS_ONE - 1), high_0 = nibble_at(second, at), high_1 = nibble_at(second + apart, at);
-    low  = nibble_at(first, c->now & (ODDS_ONE - 1));
-    high = high_0 ^ ((high_0 ^ high_1) & (0 - (low >> 3)));
-#endif
+#if PAGE_ENCODING
     second += apart * (low >> 3);
+    nibble low_behind = nibble_at(first, first->from[low]), high_behind = nibble_at(second, second->from[high]);
+#else
+    uint32_t at = c->next & (ODDS_ONE - 1), high_0 = nibble_number(nibble_at(second, at)),
+             high_1   = nibble_number(nibble_at(second + apart, at));
+    nibble low_behind = nibble_at(first, c->now & (ODDS_ONE - 1));
+    low               = nibble_number(low_behind);
+    high              = high_0 ^ ((high_0 ^ high_1) & (0 - (low >> 3)));
+    second += apart * (low >> 3);
+    nibble high_behind = nibble_at(second, at);
+#endif
     code_symbol(c, first, low);
     code_symbol(c, second, high);
-    learn(first, low);
-    learn(second, high);
+    learn(first, low_behind);
+    learn(second, high_behind);
     return low | high << 4;
 }
 
@@ -258,7 +278,7 @@ PAGE_CALL uint32_t code_plain(coder *c, uint32_t bits, uint32_t value)
 #if PAGE_ENCODING
     code_part(c, value << shift, 1u << shift);
 #else
-    value = (c->now & (ODDS_ONE - 1)) >> shift;
+    value              = (c->now & (ODDS_ONE - 1)) >> shift;
     decode_part(c, value << shift, 1u << shift);
 #endif
     return value;

@@ -182,7 +182,7 @@ static void draw_block(walk *w, uint32_t word, int32_t base, const sheet *whole,
             int16_t  used[DEPTHS_MAX];
             uint32_t kind = 0;
             for (uint32_t bits = tile & 0x3fff; bits; bits &= bits - 1) used[kind++] = depth[page_first_bit(bits)];
-            draw_pattern(w, border_of_ref(w, ref, kind), used, x, y);
+            draw_pattern(w, border_of_ref(w, ref, ref & (REF_COMMON - 1), kind), used, x, y);
             continue;
         }
         int32_t own = (int32_t)(tile & 0x3fff) - PRIVATE_ZERO;

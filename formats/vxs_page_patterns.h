@@ -44,6 +44,22 @@ PAGE_INLINE uint32_t nibbles_of_bits(uint32_t bits)
     return (bits | bits << 3 | bits << 6 | bits << 9) & 0x1111;
 }
 
+/* Eight bytes below 16 to eight nibbles. */
+PAGE_INLINE uint32_t nibbles_of_bytes(uint64_t x)
+{
+    x = (x | x >> 4) & 0x00ff00ff00ff00ff;
+    x = (x | x >> 8) & 0x0000ffff0000ffff;
+    return (uint32_t)(x | x >> 16);
+}
+
+/* border_of, for known indices. */
+PAGE_INLINE uint64_t border_of_indices(const uint8_t *index)
+{
+    uint64_t row = vxs_load32(index + 44) | (uint64_t)vxs_load32(index + 60) << 32, column = 0;
+    for (uint32_t n = 0; n < 4; n++) column |= (index[19 + 4 * n] | (uint64_t)index[51 + 4 * n] << 32) << 8 * n;
+    return nibbles_of_bytes(row) | (uint64_t)nibbles_of_bytes(column) << 32;
+}
+
 /* border_of, for a pattern stored as nibbles that start at a byte. */
 static uint64_t border_of_image(const uint32_t *words, uint32_t byte)
 {
@@ -77,51 +93,72 @@ static uint64_t border_of(const uint32_t *words, uint32_t half, uint32_t depths)
     return row[2] | row[3] << 16 | (uint64_t)(column[1] | column[3] << 16) << 32;
 }
 
-/* Border of a pattern over a palette, cached: most patterns are used again soon. */
-PAGE_CALL uint64_t border_of_ref(walk *w, uint32_t ref, uint32_t depths)
+/* Border of the pattern of a reference, cached: most patterns are used again soon.   half  where its states, or its image, start */
+PAGE_CALL uint64_t border_of_ref(walk *w, uint32_t ref, uint32_t half, uint32_t depths)
 {
     vxs_page_scratch *s  = w->s;
     uint32_t          at = ref % BORDERS_KEPT;
     if (s->border_ref[at] != ref + 1) {
         s->border_ref[at] = ref + 1;
-        s->border[at]     = border_of(pool_of(w, ref), ref & (REF_COMMON - 1), depths);
+        s->border[at]     = border_of(pool_of(w, ref), half, depths);
     }
     return s->border[at];
 }
 
-/* Write a pattern at w->half, as masks or as an image, whichever is shorter. 0: no room. */
+/* Cache the border of a new pattern. */
+PAGE_INLINE void keep_border(walk *w, uint32_t ref, const uint8_t *index)
+{
+    w->s->border_ref[ref % BORDERS_KEPT] = ref + 1;
+    w->s->border[ref % BORDERS_KEPT]     = border_of_indices(index);
+}
+
+/* Texels whose index is at most n: a bit for each, quadrant by quadrant.   n  below 15 */
+PAGE_INLINE uint64_t texels_up_to(const uint8_t *index, uint32_t n)
+{
+    uint64_t texels = 0;
+#ifdef PAGE_SSE2
+    const __m128i *four = (const __m128i *)index, end = _mm_set1_epi8((char)(n + 1));
+    for (uint32_t c = 0; c < 4; c++) texels |= (uint64_t)(uint32_t)_mm_movemask_epi8(_mm_cmpgt_epi8(end, four[c])) << 16 * c;
+#else
+    for (uint32_t z = 0; z < 64; z++) texels |= (uint64_t)(index[z] <= n) << z;
+#endif
+    return texels;
+}
+
+/* The highest bit of each 16: whether they are not all 0. */
+PAGE_INLINE uint64_t sixteens_set(uint64_t x)
+{
+    const uint64_t low = 0x7fff7fff7fff7fff;
+    return (((x & low) + low) | x) & ~low;
+}
+
+/* Write a pattern at w->half, as masks or as an image, whichever is shorter. 0: no room.
+ * All quadrants of a mask at once, and no branches on states, which are hard to predict. */
 static int put_pattern(walk *w, const uint8_t *index, uint32_t depths)
 {
-    uint8_t  state[DEPTHS_MAX] = {0};
-    uint16_t own[4 * DEPTHS_MAX + 1];
-    uint32_t owns = 0;
-    for (uint32_t c = 0; c < 4; c++) {
-        uint32_t last = 0x10000;
-        for (uint32_t n = 0; n + 1 < depths; n++) {
-            uint32_t mask = 0;
-#ifdef PAGE_SSE2
-            mask = (uint32_t)_mm_movemask_epi8(
-                _mm_cmpgt_epi8(_mm_set1_epi8((char)(n + 1)), _mm_load_si128((const __m128i *)(index + 16 * c))));
-#else
-            for (uint32_t z = 0; z < 16; z++) mask |= (uint32_t)(index[16 * c + z] <= n) << z;
-#endif
-            uint32_t s = 2 - 2 * (mask == 0) - (mask == 0xffff) + (mask == last);
-            own[owns]  = (uint16_t)mask;
-            owns += s == 2;
-            last ^= (last ^ mask) & (0 - (uint32_t)(s == 2)); /* no branch: states are hard to predict */
-            state[n] |= (uint8_t)(s << 2 * c);
+    enum { WORDS = INDEX_HALVES / 2 + 1 };            /* that a pattern may touch */
+    uint64_t  texels[DEPTHS_MAX], last = 0, owns = 0; /* owns: bit n of a quadrant: its mask n is stored */
+    uint8_t   bytes[4 * WORDS] = {0}, *at = bytes + 2 * (w->half & 1);
+    uint32_t *to = w->words + w->half / 2, count = w->word_count - w->half / 2, states = depths / 2;
+    for (uint32_t n = 0; n + 1 < depths; n++) {
+        uint64_t now = texels[n] = texels_up_to(index, n), some = sixteens_set(now), less = sixteens_set(~now);
+        uint64_t fresh = sixteens_set(now ^ last) & less, state = (some & less) >> 14 | (some & ~fresh) >> 15;
+        at[n] = (uint8_t)(state | state >> 14 | state >> 28 | state >> 42);
+        owns |= fresh >> (15 - n);
+        last = now;
+    }
+    uint32_t size = states + count_bits((uint32_t)owns) + count_bits((uint32_t)(owns >> 32));
+    if (size > INDEX_HALVES) {
+        size = INDEX_HALVES;
+        vxs_store16(at, 0xff);
+        for (uint32_t n = 0; n < 32; n++) at[2 + n] = (uint8_t)(index[n] | index[n + 32] << 4);
+    } else
+        for (at += 2 * states; owns; owns &= owns - 1, at += 2) {
+            uint32_t own = page_first_bit_64(owns);
+            vxs_store16(at, (uint16_t)(texels[own % 16] >> own / 16 * 16));
         }
-    }
-    uint32_t states = depths / 2, size = states + owns, image = size > INDEX_HALVES;
-    if (image) size = INDEX_HALVES;
     if (size > 2 * w->word_count - w->half) return 0;
-    if (image) {
-        put_half(w->words, w->half, 0xff);
-        for (uint32_t n = 0; n < 32; n++) put_byte(w->words, 2 * w->half + 2 + n, index[n] | (uint32_t)index[n + 32] << 4);
-    } else {
-        for (uint32_t n = 0; n < states; n++) put_half(w->words, w->half + n, state[2 * n] | (uint32_t)state[2 * n + 1] << 8);
-        for (uint32_t n = 0; n < owns; n++) put_half(w->words, w->half + states + n, own[n]);
-    }
+    for (uint32_t n = 0; n < (count < WORDS ? count : WORDS); n++) to[n] |= vxs_load32(bytes + 4 * n);
     w->half += size;
     return 1;
 }
@@ -153,7 +190,7 @@ static void border_indices(const walk *w, const int16_t *depth, uint32_t depths,
     memset(column, 0, 8);
     for (uint32_t k = 0; k + 1 < depths; k++) {
         uint32_t between = (uint32_t)(uint16_t)(depth[k] - depth[0]) + (uint16_t)(depth[k + 1] - depth[0]);
-        int16_t t = (int16_t)(between >> 1);
+        int16_t  t       = (int16_t)(between >> 1);
         for (int n = 0; n < 16; n++) row[n] += (int16_t)(above[n] - depth[0]) > t;
         for (int n = 0; n < 8; n++) column[n] += (int16_t)(left[n] - depth[0]) > t;
     }

@@ -159,7 +159,7 @@ static void draw_private(walk *w, uint32_t ref, int32_t base, uint32_t x0, uint3
         uint32_t depths = head & 0xff;
         depth[0]        = (int16_t)base;
         for (uint32_t n = 0; n + 1 < depths; n++) depth[n + 1] = (int16_t)(base + (int32_t)private_delta(words, half + 1, head, n));
-        draw_pattern(w, border_of(words, half + 1 + private_delta_halves(kind, depths - 1), depths), depth, x0, y0);
+        draw_pattern(w, border_of_ref(w, ref, half + 1 + private_delta_halves(kind, depths - 1), depths), depth, x0, y0);
         return;
     }
     if (kind >= PRIVATE_PLANE) {
@@ -226,7 +226,9 @@ static int code_private_palette(walk *w, uint32_t kind, uint32_t from, int32_t b
     w->half += 1 + halves;
     _Alignas(16) uint8_t index[64];
     if (PAGE_ENCODING && !read_source(w, from + 1 + halves, depths, index)) return 0;
-    return code_image(w, depth, depths, x0, y0, index) && put_pattern(w, index, depths);
+    if (!code_image(w, depth, depths, x0, y0, index) || !put_pattern(w, index, depths)) return 0;
+    keep_border(w, half, index);
+    return 1;
 }
 
 /* Predicted depth of a texel of a raw pattern: from the texels on its left and above; at the border, from the texels beside

@@ -103,6 +103,7 @@ static int code_pattern(walk *w, uint32_t kind, const int16_t *depth, uint32_t *
     if (PAGE_ENCODING && !read_source(w, *ref, kind, index)) return 0;
     if (!code_image(w, depth, kind, x0, y0, index) || !put_pattern(w, index, kind)) return 0;
     add_pattern(w, kind, *ref = half);
+    keep_border(w, half, index);
     return 1;
 }
 
@@ -258,7 +259,7 @@ static int code_mixed_tile(walk *w, block *b, uint32_t t, uint32_t x0, uint32_t 
         uint32_t kind = 0;
         for (uint32_t bits = used; bits; bits &= bits - 1) depth[kind++] = b->depth[page_first_bit(bits)];
         if (kind < 2 || !code_pattern(w, kind, depth, &ref, x0, y0)) return 0;
-        draw_pattern(w, border_of_ref(w, ref, kind), depth, x0, y0);
+        draw_pattern(w, border_of_ref(w, ref, ref & (REF_COMMON - 1), kind), depth, x0, y0);
         low = used;
     } else {
         private_base base = {b->base, 0, b->far};
