@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/base/cpu.h"
 #include "baker/base/simd.h"
 #include "baker/coding/blocks/blocks.h"
 #include "baker/coding/blocks/stabbing_set.h"
@@ -22,7 +23,7 @@ typedef struct tile_in {
     tile_kind      kind;
     int32_t        shift;  /* depth that the slope added */
     int            flat;   /* 1: it may lie on a plane */
-    int            depths; /* number of depths that it needs; 0: not counted */
+    int            depths; /* number of depths that it needs, up to PRIVATE_FROM; 0: not counted */
     private_planes plane;  /* a plane through this tile alone */
 } tile_in;
 
@@ -154,11 +155,11 @@ static int give_private_depths(node_builder *b)
     int count = 0;
     for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
         intervals  s;
-        stab_group groups[64];
+        stab_group groups[PRIVATE_FROM];
         if (t->kind != TILE_PATTERN) continue;
         s.count = 0;
         add_tile(&s, t);
-        t->depths = minimum_stabbing_set(&s, groups, 64, b->set->patterns.cpu);
+        t->depths = minimum_stabbing_set(&s, groups, PRIVATE_FROM, b->set->patterns.cpu);
         if (t->depths < PRIVATE_FROM) continue;
         t->kind = TILE_PRIVATE;
         count++;
@@ -219,12 +220,12 @@ static int32_t roundest(int32_t low, int32_t high)
 
 enum { PALETTE_LANES = 16 };
 
-/* Number of depths below this one. */
+/* Number of ascending depths below this one. */
 static int count_below(const int32_t depths[PALETTE_LANES], int32_t depth)
 {
-    i32x4 count = i32x4_all(0);
-    for (int n = 0; n < PALETTE_LANES; n += 4) count -= (i32x4)(i32x4_load(depths + n) < i32x4_all(depth));
-    return count[0] + count[1] + count[2] + count[3];
+    u32x4 below[4];
+    for (int n = 0; n < 4; n++) below[n] = (u32x4)(i32x4_load(depths + 4 * n) < i32x4_all(depth));
+    return __builtin_ctz(u32x4_zeros(below) | 1u << PALETTE_LANES);
 }
 
 /* Give this entry to the uniform tiles [first, end). */
@@ -242,20 +243,24 @@ static uint32_t find_plane(node_builder *b, plane *p)
     plane_ranges ranges[BLOCK_TILES];
     uint32_t     mixed = 0, flat = 0;
     int32_t      from = INT32_MAX;
+    *p                = (plane){0, 0, 0};
     for (uint32_t n = 0; n < BLOCK_TILES; n++)
         if (b->tile[n].kind == TILE_PATTERN) from = min_i32(from, b->tile[n].xmin - b->tile[n].shift);
     for (uint32_t n = 0; n < BLOCK_TILES; n++) {
         tile_in *t = &b->tile[n];
-        t->flat    = 1;
-        if (t->kind != TILE_PATTERN || t->emax - t->shift - from >= PLANE_FREE / PLANE_ONE) continue;
-        plane_ranges_of(&ranges[n], &t->ranges, from + t->shift);
-        ranges[n].x = 8 * (int32_t)(n % 4);
-        ranges[n].y = 8 * (int32_t)(n / 4);
-        t->flat     = plane_may_fit(&ranges[n]);
+        if (t->kind != TILE_PATTERN) continue;
+        t->flat = tile_may_be_plane(&t->ranges);
+        if (t->emax - t->shift - from >= PLANE_FREE / PLANE_ONE) continue;
         mixed |= 1u << n;
         flat |= (uint32_t)t->flat << n;
     }
-    *p          = (plane){0, 0, 0};
+    if (__builtin_popcount(flat) < PLANE_TILES_MIN) return 0;
+    for (uint32_t rest = mixed; rest; rest &= rest - 1) {
+        int n = __builtin_ctz(rest);
+        plane_ranges_of(&ranges[n], &b->tile[n].ranges, from + b->tile[n].shift);
+        ranges[n].x = 8 * (n % 4);
+        ranges[n].y = 8 * (n / 4);
+    }
     uint32_t on = plane_of_block(p, ranges, mixed, flat, b->set->recent);
     if (on) p->least += from * PLANE_ONE;
     if (p->least < PLANE_LEAST || p->least > PLANE_MOST) on = 0;
@@ -350,25 +355,39 @@ static vxs_result build_block(node_builder *b, uint32_t *id, int32_t *base)
 
 /* nodes ----------------------------------------------------------------------------------------------------------------------- */
 
-/* Set the bounds of the tiles of a square of the node at tile (x, y). If all columns of a square are equal, its tiles get the
- * same bounds. */
-static vxs_result bound_tiles(node_builder *b, uint32_t level, uint32_t x, uint32_t y)
+/* Give these bounds to `side` x `side` tiles. */
+static ALWAYS_INLINE void give_bounds(node_builder *b, const column_bounds *bounds, uint32_t x, uint32_t y, uint32_t side)
 {
-    uint32_t      side = 1u << level;
-    column_bounds bounds;
-    vxs_result    r = b->columns->bounds(b->columns->data, level, (b->tile_x + x) >> level, (b->tile_y + y) >> level, &bounds);
-    if (r == VXS_OK && level && !bounds_alike(&bounds)) {
-        for (uint32_t c = 0; c < 4 && r == VXS_OK; c++)
-            r = bound_tiles(b, level - 1, x + (c & 1) * side / 2, y + (c >> 1) * side / 2);
-        return r;
-    }
     /* a column that is lit to the end may be lit beyond */
-    int32_t emax = (int32_t)bounds.emax, xmin = bounds.xmin >= b->columns->depth_vx ? FAR_DEPTH : (int32_t)bounds.xmin;
+    int32_t emax = (int32_t)bounds->emax, xmin = bounds->xmin >= b->columns->depth_vx ? FAR_DEPTH : (int32_t)bounds->xmin;
     for (uint32_t row = y; row < y + side; row++)
         for (uint32_t n = NODE_TILES * row + x; n < NODE_TILES * row + x + side; n++) {
             b->emax[n] = emax;
             b->xmin[n] = xmin;
         }
+}
+
+/* Set the bounds of the tiles of a square of the node at tile (x, y). If all columns of a square are equal, its tiles get the
+ * same bounds. */
+static vxs_result bound_tiles(node_builder *b, uint32_t level, uint32_t x, uint32_t y)
+{
+    const column_square *from = b->columns;
+    uint32_t             side = 1u << level;
+    column_bounds        bounds;
+    vxs_result           r = from->bounds(from->data, level, (b->tile_x + x) >> level, (b->tile_y + y) >> level, &bounds);
+    if (r != VXS_OK || !level || bounds_alike(&bounds)) {
+        give_bounds(b, &bounds, x, y, side);
+        return r;
+    }
+    for (uint32_t c = 0; c < 4 && r == VXS_OK; c++) {
+        uint32_t inner_x = x + (c & 1) * side / 2, inner_y = y + (c >> 1) * side / 2;
+        if (level > 1) {
+            r = bound_tiles(b, level - 1, inner_x, inner_y);
+            continue;
+        }
+        r = from->bounds(from->data, 0, b->tile_x + inner_x, b->tile_y + inner_y, &bounds);
+        give_bounds(b, &bounds, inner_x, inner_y, 1);
+    }
     return r;
 }
 

@@ -226,20 +226,6 @@ void plane_round(plane *p, const plane_ranges *t)
     }
 }
 
-int plane_may_fit(const plane_ranges *t)
-{
-    static const int8_t lines[][6] = {{0, 0, 3, 3, 6, 6}, {1, 1, 4, 4, 7, 7}, {7, 0, 4, 3, 1, 6}, {6, 1, 3, 4, 0, 7},
-                                      {0, 0, 3, 0, 6, 0}, {1, 0, 4, 0, 7, 0}, {0, 7, 3, 7, 6, 7}, {1, 7, 4, 7, 7, 7},
-                                      {0, 0, 0, 3, 0, 6}, {0, 1, 0, 4, 0, 7}, {7, 0, 7, 3, 7, 6}, {7, 1, 7, 4, 7, 7},
-                                      {0, 3, 3, 3, 6, 3}, {3, 0, 3, 3, 3, 6}};
-    for (unsigned n = 0; n < sizeof lines / sizeof *lines; n++) {
-        const int8_t *l = lines[n];
-        int           a = pattern_texel(l[0], l[1]), between = pattern_texel(l[2], l[3]), b = pattern_texel(l[4], l[5]);
-        if (t->low[a] + t->low[b] > 2 * t->high[between] || t->high[a] + t->high[b] < 2 * t->low[between]) return 0;
-    }
-    return 1;
-}
-
 plane plane_start(const plane_ranges *t)
 {
     int first = pattern_texel(0, 0), right = pattern_texel(7, 0), bottom = pattern_texel(0, 7);
@@ -342,7 +328,7 @@ int plane_fit_pair(plane pair[2], uint64_t *second, const plane_ranges *t)
 
 /* blocks ---------------------------------------------------------------------------------------------------------------------- */
 
-enum { BLOCK_PX = 32, SEEDS = 3, TILES_MIN = 3 /* least tiles on a plane that pay for its size */ };
+enum { BLOCK_PX = 32, SEEDS = 3 };
 
 static uint32_t fit_tiles(plane *p, const plane_ranges tiles[16], uint32_t on, int move_it)
 {
@@ -424,7 +410,6 @@ static void remember(plane recent[PLANES_RECENT], plane p)
 uint32_t plane_of_block(plane *p, const plane_ranges tiles[16], uint32_t mixed, uint32_t flat, plane recent[PLANES_RECENT])
 {
     uint32_t best = 0, tried = 0;
-    if (__builtin_popcount(flat) < TILES_MIN) return 0;
     for (int n = 0; n < PLANES_RECENT && best != mixed; n++) {
         uint32_t on = tiles_on_slopes(&recent[n], tiles, flat);
         if (__builtin_popcount(on) <= __builtin_popcount(best)) continue;
@@ -443,7 +428,7 @@ uint32_t plane_of_block(plane *p, const plane_ranges tiles[16], uint32_t mixed, 
         best = on;
         *p   = next;
     }
-    if (__builtin_popcount(best) < TILES_MIN) return 0;
+    if (__builtin_popcount(best) < PLANE_TILES_MIN) return 0;
     remember(recent, *p);
     return best;
 }

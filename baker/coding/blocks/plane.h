@@ -10,6 +10,7 @@ enum {
     PLANE_ONE       = 256, /* parts of a voxel: the unit of slopes and depths of planes */
     PLANE_SHIFT_MAX = 8,
     PLANES_RECENT   = 4,
+    PLANE_TILES_MIN = 3,      /* least tiles of a block on a plane that pay for its size */
     PLANE_FREE      = 1 << 22 /* range of a texel that does not bound planes. Sums of such numbers are exact in float */
 };
 
@@ -36,10 +37,6 @@ static inline int32_t plane_depth(const plane *p, int32_t side, int32_t x, int32
     return (p->least + p->across * (p->across < 0 ? x - side + 1 : x) + p->down * (p->down < 0 ? y - side + 1 : y)) >> 8;
 }
 
-/* A fast test: whether three equidistant texels of any of a few lines leave room for a plane. It rejects most tiles that have no
- * plane. */
-int plane_may_fit(const plane_ranges *t);
-
 /* Move a plane until it passes through all ranges of all tiles, with room to spare if possible.
  * p     slopes to start from; [out] the slopes found, multiples of 1 << plane_shift(p), and the roundest depth that fits
  * side  of the area: 8, or 32
@@ -63,7 +60,7 @@ plane plane_start(const plane_ranges *t);
 /* Find a plane for as many tiles of a block of 32 x 32 texels as possible.
  * p       [out] the plane, in the block
  * tiles   [16] rows; only those with bits in `mixed` are used
- * flat    tiles of these that pass plane_may_fit
+ * flat    tiles of these that may lie on a plane
  * recent  [PLANES_RECENT] slopes to try first; a plane that is found is added
  * Returns the bits of its tiles; 0: not worth it. */
 uint32_t plane_of_block(plane *p, const plane_ranges tiles[16], uint32_t mixed, uint32_t flat, plane recent[PLANES_RECENT]);

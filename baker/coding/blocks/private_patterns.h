@@ -31,6 +31,10 @@ enum { PRIVATE_PLANE_HALVES = 3, PRIVATE_PAIR_HALVES = 6, PRIVATE_PLANES_HALVES_
 /* The ranges of a tile in parts of a voxel, relative to depth `from`. */
 void plane_ranges_of(plane_ranges *to, const tile_ranges *t, int32_t from);
 
+/* A fast test, which rejects most tiles that have no plane: lines of three texels and squares of four, whose ranges leave no room
+ * for one. */
+int tile_may_be_plane(const tile_ranges *t);
+
 /* Planes that pass through all ranges of a tile. */
 typedef struct private_planes {
     uint32_t count;                             /* number of halves; 0: no planes */

@@ -4,6 +4,7 @@
 
 #include <string.h>
 
+#include "baker/base/cpu.h"
 #include "baker/base/integer.h"
 #include "baker/base/simd.h"
 #include "baker/coding/blocks/patterns.h"
@@ -24,16 +25,64 @@ enum { FAR_VX = PLANE_FREE / PLANE_ONE };
 
 void plane_ranges_of(plane_ranges *to, const tile_ranges *t, int32_t from)
 {
-    const i32x4 far = i32x4_all(FAR_VX), none = i32x4_all(PLANE_FREE);
+    const f32x4 far = f32x4_all(FAR_VX), last = f32x4_all(PLANE_ONE - 1), none = f32x4_all(PLANE_FREE);
     to->quadrants = 15;
     for (int n = 0; n < 64; n += 4) {
-        i32x4 low = i32x4_load(t->low + n) - from, high = i32x4_load(t->high + n) - from;
-        low     = i32x4_max(i32x4_min(low, far), -far) * PLANE_ONE;
-        high    = i32x4_select((i32x4)(high < far), i32x4_min(high, far) * PLANE_ONE + (PLANE_ONE - 1), none);
-        f32x4 l = __builtin_convertvector(low, f32x4), h = __builtin_convertvector(high, f32x4);
-        memcpy(to->low + n, &l, sizeof l);
-        memcpy(to->high + n, &h, sizeof h);
+        f32x4 low  = __builtin_convertvector(i32x4_load(t->low + n) - from, f32x4);
+        f32x4 high = __builtin_convertvector(i32x4_load(t->high + n) - from, f32x4);
+        low        = f32x4_max(f32x4_min(low, far), -far) * PLANE_ONE;
+        high       = f32x4_min(high * PLANE_ONE + last, none);
+        memcpy(to->low + n, &low, sizeof low);
+        memcpy(to->high + n, &high, sizeof high);
     }
+}
+
+/* Ranges of four texels in a row. */
+typedef struct four_ranges {
+    i32x4 low, high;
+} four_ranges;
+
+static ALWAYS_INLINE four_ranges four_of(const tile_ranges *t, int x, int y)
+{
+    int n = pattern_texel(x, y);
+    return (four_ranges){i32x4_load(t->low + n), i32x4_load(t->high + n)};
+}
+
+/* The last two of `left` and the first two of `right`. */
+static ALWAYS_INLINE four_ranges between(four_ranges left, four_ranges right)
+{
+    return (four_ranges){{left.low[2], left.low[3], right.low[0], right.low[1]},
+                         {left.high[2], left.high[3], right.high[0], right.high[1]}};
+}
+
+/* Where a + b = c + d holds for every plane, but not for these ranges. Each holds a whole voxel more than its ends say. */
+static ALWAYS_INLINE i32x4 differ(four_ranges a, four_ranges b, four_ranges c, four_ranges d)
+{
+    return (i32x4)(a.low + b.low > c.high + d.high + 1) | (i32x4)(c.low + d.low > a.high + b.high + 1);
+}
+
+int tile_may_be_plane(const tile_ranges *t)
+{
+    i32x4       out = i32x4_all(0);
+    four_ranges left[8], middle[8], right[8];
+    for (int y = 0; y < 8; y++) {
+        left[y]  = four_of(t, 0, y);
+        right[y] = four_of(t, 4, y);
+    }
+    for (int y = 0; y < 2; y++)
+        out |= differ(left[y], left[y + 6], left[y + 3], left[y + 3]) | differ(right[y], right[y + 6], right[y + 3], right[y + 3]);
+    if (i32x4_bits(out)) return 0;
+    for (int y = 0; y < 8; y++) {
+        middle[y] = between(left[y], right[y]);
+        out |= differ(left[y], right[y], middle[y], middle[y]);
+    }
+    if (i32x4_bits(out)) return 0;
+    for (int y = 0; y < 4; y++) {
+        out |= differ(left[y], right[y + 4], middle[y + 2], middle[y + 2]);
+        out |= differ(left[y + 4], right[y], middle[y + 2], middle[y + 2]);
+        out |= differ(left[y + 4], right[y], left[y], right[y + 4]);
+    }
+    return !i32x4_bits(out);
 }
 
 static uint16_t slope_half(int32_t slope, int shift)
@@ -72,7 +121,6 @@ void private_plane(private_planes *to, const tile_ranges *t)
     int32_t             from   = least_high(t);
     to->count                  = 0;
     plane_ranges_of(&ranges, t, from);
-    if (!plane_may_fit(&ranges)) return;
     plane p = plane_start(&ranges);
     if (!plane_fit(&p, &tile, 1, 8)) return;
     plane_round(&p, &ranges);

@@ -10,6 +10,7 @@
 
 #include <stdint.h>
 
+#include "baker/base/integer.h"
 #include "baker/coding/blocks/patterns.h"
 
 enum { INTERVALS_MAX = 1024 + 16, INTERVALS_SPARE = 32 };
@@ -65,6 +66,7 @@ void axis_codes(const depth_axis *a, const int32_t *depths, int16_t *codes, int 
 static inline int16_t axis_code(const depth_axis *a, int32_t depth)
 {
     int16_t code;
+    if (!a->count) return (int16_t)min_i32(max_i32(depth - a->floor, 0), INT16_MAX);
     axis_codes(a, &depth, &code, 1);
     return code;
 }
