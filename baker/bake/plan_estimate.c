@@ -165,8 +165,8 @@ static uint64_t sparse_peak_bytes(const bake_plan *plan, const bake_options *o, 
         double map = ldexp(1, (int)l->light.levels), side = fmin(fmin(map / 4, tile_px), SPARSE_PARALLEL_PX);
         double part  = side * side / (map * map) / l->map_count;
         double tiles = fmin(side * side / 64, (part < 1 ? 2 : 1) * part * l->mask_tiles);
-        square = fmax(square, o->threads * (side * side / 64 * 30 + 540 * tiles) + fmin(1, DESCENT_BATCH * part) * l->part_bytes +
-                                  80 * (double)l->sample.triangles);
+        square       = fmax(square, o->threads * (side * side / 64 * 30 + 540 * tiles) +
+                                        fmin(1, descent_slots(o->threads) * part) * l->part_bytes + 80 * (double)l->sample.triangles);
         built += l->built_bytes;
     }
     return (uint64_t)(1.15 * (9e6 + 20e3 * (double)plan->baked_count + array_bytes(c) + square + built));

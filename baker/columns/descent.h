@@ -1,8 +1,8 @@
 /* Descent from the whole map to squares that can be built: the first stage of every coding of columns.
  *
  * If the bounds of a square settle it, the square is added with these bounds. Other squares are fetched, in squares as wide as the
- * source allows, and are split further until they are small enough to be built. All threads build the squares of a batch at once.
- * Squares are added in z order: after the batch, or while other squares of the batch are still being built. If the source supports
+ * source allows, and are split further until they are small enough to be built. All threads build squares at once. Squares are
+ * added in z order: after a batch of them, or while others are still being built (descent_batch.h). If the source supports
  * parallel fetches, each thread fetches the squares that it builds. With a square cache (square_record.h), a known square is
  * neither fetched nor built; what was built of it is added in the same order.
  * Source: [CPVS16] 4.3, 6.1.
@@ -13,7 +13,17 @@
 #include "baker/columns/columns.h"
 #include "formats/vxs_write_file.h"
 
-enum { DESCENT_BATCH = 32 }; /* squares in memory at once; with a square cache also the most in one fetched square */
+enum {
+    DESCENT_SLOTS = 256, /* the most slots for built squares */
+    DESCENT_HELD  = 32,  /* the most squares that are built before the first of them is added, without add_early; and the most in a
+                            fetched square with a square cache */
+};
+
+/* Slots that a descent uses: squares in memory at once. */
+static inline uint32_t descent_slots(uint32_t threads)
+{
+    return min_u32(max_u32(DESCENT_HELD, 16 * threads), DESCENT_SLOTS);
+}
 
 /* What the descent does with a square. */
 typedef enum descent_step {
@@ -36,7 +46,7 @@ typedef struct descent {
     vxs_result (*settle)(void *user, const column_bounds *bounds, uint32_t level, uint32_t i, uint32_t j);
 
     /* Build the square (i, j) of `level`, counted from the corner of the fetched columns. Called once for each slot, [0,
-     * DESCENT_BATCH), before that slot is added.   Threads: any. */
+     * DESCENT_SLOTS), before that slot is added.   Threads: any. */
     vxs_result (*build)(void *user, uint32_t slot, const column_square *columns, uint32_t level, uint32_t i, uint32_t j);
 
     /* Add what was built in a slot; level, i, j are those of the map. Called in z order, one call at a time, and not after a

@@ -244,7 +244,7 @@ typedef struct map_builder {
     block_set *set;
     uint32_t   map, square_level, depth_vx;
     int        cpu;
-    block_set  batch[DESCENT_BATCH];
+    block_set  batch[DESCENT_SLOTS];
 } map_builder;
 
 /* Before a fetch, a square is settled only if every part of it would get the same depth: bounds may be tighter after the fetch. */
@@ -371,7 +371,7 @@ vxs_result block_build_map(block_set *s, uint32_t map, const column_map *columns
                        .batch           = time_batch,
                        .add_early       = 1};
     vxs_result r    = descend(&d, columns, ctx);
-    for (uint32_t n = 0; n < DESCENT_BATCH; n++) block_set_free(&b->batch[n]);
+    for (uint32_t n = 0; n < DESCENT_SLOTS; n++) block_set_free(&b->batch[n]);
     free(b);
     return r;
 }

@@ -63,7 +63,7 @@ typedef struct map_builder {
     const build_options *o;
     build_stats         *stats;
     uint32_t             map, sub_level, slabs;
-    sub_dag              batch[DESCENT_BATCH];
+    sub_dag              batch[DESCENT_SLOTS];
 } map_builder;
 
 /* Whether a square is decided: each of its sub-DAGs would have only lit and shadowed slabs, the same in all of them. A sub-DAG is
@@ -227,7 +227,7 @@ vxs_result dag_build_map(dag_merger *g, uint32_t map, const column_map *columns,
                     .drop            = drop_slot,
                     .batch           = time_batch};
     vxs_result r = descend(&d, columns, ctx);
-    for (uint32_t n = 0; n < DESCENT_BATCH; n++) dag_free(&b->batch[n].dag);
+    for (uint32_t n = 0; n < DESCENT_SLOTS; n++) dag_free(&b->batch[n].dag);
     free(b);
     return r;
 }
