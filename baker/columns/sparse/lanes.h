@@ -33,8 +33,13 @@ typedef int64_t  i64s __attribute__((vector_size(8 * LANES)));
 typedef uint64_t u64s __attribute__((vector_size(8 * LANES)));
 typedef int32_t  i32s __attribute__((vector_size(4 * LANES)));
 
-/* A number for each texel in a row of a tile, at all levels: with SSE2 it is two registers. */
-typedef int32_t i32row __attribute__((vector_size(32)));
+/* A number for each texel in some rows of a tile. With SSE2 it is two registers. They may wrap around. */
+#ifdef __AVX512F__
+enum { ROWS = 2 };
+#else
+enum { ROWS = 1 };
+#endif
+typedef uint32_t u32rows __attribute__((vector_size(32 * ROWS)));
 
 static inline f64s f64s_all(double value)
 {
@@ -114,9 +119,24 @@ static inline uint32_t i64s_negative(i64s v)
 #endif
 }
 
-static inline uint32_t i32row_negative(i32row v)
+static inline u32rows u32rows_ramp(int32_t first, int32_t across, int32_t down)
 {
-#ifdef __AVX2__
+#ifdef __AVX512F__
+    const u32rows right = {0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7},
+                  under = {0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1};
+    return (uint32_t)first + (uint32_t)across * right + (uint32_t)down * under;
+#else
+    (void)down;
+    return (uint32_t)first + (uint32_t)across * (u32rows){0, 1, 2, 3, 4, 5, 6, 7};
+#endif
+}
+
+/* Bit mask of the elements that are negative as int32_t. */
+static inline uint32_t u32rows_negative(u32rows v)
+{
+#ifdef __AVX512F__
+    return _mm512_movepi32_mask((__m512i)v);
+#elif defined __AVX2__
     return (uint32_t)_mm256_movemask_ps((__m256)v);
 #elif defined __SSE2__
     __m128 half[2];
@@ -124,7 +144,7 @@ static inline uint32_t i32row_negative(i32row v)
     return (uint32_t)_mm_movemask_ps(half[0]) | (uint32_t)_mm_movemask_ps(half[1]) << 4;
 #else
     uint32_t bits = 0;
-    for (int n = 0; n < 8; n++) bits |= (uint32_t)(v[n] < 0) << n;
+    for (int n = 0; n < 8; n++) bits |= v[n] >> 31 << n;
     return bits;
 #endif
 }
@@ -214,16 +234,71 @@ static inline void lanes_pack(void *to, uint32_t bits, i64s v)
 #endif
 }
 
-/* Depth of a triangle at (x, y), in subtexels, in two steps: the part that is the same for all rows of texels, then the rest. */
+/* Triangles --------------------------------------------------------------------------------------------------------------------- */
+
+static inline uint64_t eight_bytes(const void *from)
+{
+    uint64_t bytes;
+    memcpy(&bytes, from, sizeof bytes);
+    return bytes;
+}
+
+/* Corners of LANES triangles, in subtexels: a triangle for each element. */
+typedef struct lanes_corners {
+    i64s x[3], y[3];
+} lanes_corners;
+
+static inline lanes_corners lanes_corners_of(const sparse_triangles *s, const uint32_t ids[LANES])
+{
+#define X01(n)  eight_bytes(&s->all[ids[n]].x[0])
+#define X2Y0(n) eight_bytes(&s->all[ids[n]].x[2])
+#define Y12(n)  eight_bytes(&s->all[ids[n]].y[1])
+    const u64s    pairs[3] = {EACH_LANE(X01), EACH_LANE(X2Y0), EACH_LANE(Y12)};
+    lanes_corners c;
+    i64s         *to[6] = {&c.x[0], &c.x[1], &c.x[2], &c.y[0], &c.y[1], &c.y[2]};
+    for (int n = 0; n < 3; n++) {
+        *to[2 * n]     = __builtin_convertvector(__builtin_convertvector(pairs[n], i32s), i64s);
+        *to[2 * n + 1] = __builtin_convertvector(__builtin_convertvector(pairs[n] >> 32, i32s), i64s);
+    }
+    return c;
+}
+
+/* Edges from corner k to the next, as sparse_edge, seen from a point. */
+typedef struct lanes_edge {
+    i64s a, b, at; /* at: its value at the point */
+    i64s dx, dy;   /* from corner k to the point */
+} lanes_edge;
+
+static inline lanes_edge lanes_edge_of(const lanes_corners *t, int k, int64_t x, int64_t y)
+{
+    const int  next = k < 2 ? k + 1 : 0;
+    lanes_edge e    = {.a = t->y[k] - t->y[next], .b = t->x[next] - t->x[k], .dx = x - t->x[k], .dy = y - t->y[k]};
+    const i64s owns = (e.a << 32) + e.b; /* positive if the triangle owns the edge */
+    e.at            = i64s_product(e.a, e.dx) + i64s_product(e.b, e.dy) - (i64s)((u64s)(owns - 1) >> 63);
+    return e;
+}
+
+/* Absolute value. */
+static inline i64s i64s_length(i64s v)
+{
+    const i64s sign = v >> 63;
+    return (v ^ sign) - sign;
+}
+
+/* Depth of a triangle at (x, y), in subtexels, in three steps: a part for each column of texels, one for each row, then the sum. */
 static inline f64s lanes_rise(const sparse_triangle *t, f64s x)
 {
     return f64s_all(t->gx) * (x - f64s_all(t->x[0]));
 }
 
-static inline f64s lanes_depth(const sparse_triangle *t, f64s rise, double y)
+static inline f64s lanes_fall(const sparse_triangle *t, f64s y)
 {
-    f64s z = f64s_all(t->zmin + t->gy * (y - t->y[0])) + rise;
-    return f64s_min(f64s_max(z, f64s_all(t->zmin)), f64s_all(t->zmax));
+    return f64s_all(t->zmin) + f64s_all(t->gy) * (y - f64s_all(t->y[0]));
+}
+
+static inline f64s lanes_depth(const sparse_triangle *t, f64s rise, f64s fall)
+{
+    return f64s_min(f64s_max(fall + rise, f64s_all(t->zmin)), f64s_all(t->zmax));
 }
 
 #endif

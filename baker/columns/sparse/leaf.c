@@ -11,6 +11,7 @@
 #include <stdlib.h>
 
 #include "baker/base/array.h"
+#include "baker/base/cpu.h"
 #include "baker/columns/sparse/lanes.h"
 #include "baker/scene/scene.h"
 
@@ -36,18 +37,25 @@ typedef struct leaf_hit {
     int    is_exit;
 } leaf_hit;
 
-/* The texels of a tile during evaluation. Missing depths are INFINITY. */
+/* Nearest depths of the texels of a tile, in order; INFINITY where there is none. */
+typedef struct nearest_depths {
+    double        room[LAYERS + 1][64];
+    const double *layers[LAYERS + 1]; /* the first `count` in `room`, the others all INFINITY */
+    int           count, most;
+} nearest_depths;
+
+/* The texels of a tile during evaluation. */
 typedef struct leaf {
     const leaf_desc    *d;
     const square_bound *bound;
-    int64_t             x0, y0; /* centre of the first texel, subtexels */
-    int                 frees;  /* 1: don't-care voxels behind the last surface */
-    double              known;  /* the list has all triangles that begin before this depth; less than INFINITY */
+    int64_t             x0, y0;           /* centre of the first texel, subtexels */
+    double              x_of[8], y_of[8]; /* centres of texels */
+    int                 frees;            /* 1: don't-care voxels behind the last surface */
+    double              known;            /* the list has all triangles that begin before this depth; less than INFINITY */
     leaf_face          *faces;
     size_t              count;
-    double front[LAYERS + 1][64], back[LAYERS][64], sheet[64]; /* nearest depths, in order: of solids' front and back faces; of
-                                                                  sheets */
-    double e[64], x[64];
+    nearest_depths      front, back, sheet; /* of solids' front and back faces; of sheets */
+    double              e[64], x[64];
 
     /* faces of solids, if they are counted */
     double   *depths; /* [LANES * solids] */
@@ -66,44 +74,60 @@ static int64_t px_of(const leaf *f)
 /* Texels outside an edge, whatever its length. */
 static uint64_t outside_long(const leaf *f, const sparse_edge *e)
 {
-    uint64_t outside = 0;
-    for (int n = 0; n < 64; n++)
-        outside |= (uint64_t)(sparse_edge_at(e, f->x0 + (n & 7) * px_of(f), f->y0 + (n >> 3) * px_of(f)) < 0) << n;
+    const i64s across  = (e->a << f->d->triangles->grid) * (i64s)EACH_LANE((int64_t));
+    uint64_t   outside = 0;
+    for (int first = 0; first < 64; first += LANES) {
+        const int64_t at = sparse_edge_at(e, f->x0 + (first & 7) * px_of(f), f->y0 + (first >> 3) * px_of(f));
+        outside |= (uint64_t)i64s_negative(at + across) << first;
+    }
     return outside;
 }
 
-/* Texels whose centres are in a triangle.
+/* Edge functions of LANES triangles in a tile.
  *
  * From one texel to the next an edge function changes by a multiple of the subtexels of a texel. So it has the sign of its quotient
  * by them, rounded down, and that fits 32 bits if the edge is not long: a quotient too large changes its sign nowhere in the tile. */
-static uint64_t covered(const leaf *f, const sparse_triangle *t)
-{
-    const uint32_t grid = f->d->triangles->grid;
-    i32row         at[3], down[3];
-    uint64_t       outside = 0;
+typedef struct tile_edges {
+    i32s     first[3], across[3], down[3]; /* of the first texel; from it to the next one, and to the next row */
+    uint32_t is_long[3];                   /* bits of the triangles whose edge is too long: its numbers are 0 */
+} tile_edges;
 
-    /* rows of the tile that the triangle may touch: [begin, end) */
-    const int64_t y0 = min_i32(min_i32(t->y[0], t->y[1]), t->y[2]) - f->y0,
-                  y1 = max_i32(max_i32(t->y[0], t->y[1]), t->y[2]) - f->y0;
-    int begin        = y0 <= 0 ? 0 : (int)((y0 + px_of(f) - 1) >> grid < 8 ? (y0 + px_of(f) - 1) >> grid : 8);
-    int end          = y1 < 0 ? 0 : (int)(y1 >> grid < 7 ? (y1 >> grid) + 1 : 8);
-    if (begin >= end) return 0;
+static inline tile_edges edges_of(const leaf *f, const uint32_t ids[LANES])
+{
+    const lanes_corners corners = lanes_corners_of(f->d->triangles, ids);
+    const int64_t       most    = 8 * EDGE_LONG;
+    tile_edges          edges;
     for (int k = 0; k < 3; k++) {
-        sparse_edge e = sparse_edge_of(t, k);
-        if (llabs(e.a) + llabs(e.b) >= EDGE_LONG) {
-            outside |= outside_long(f, &e);
-            e = (sparse_edge){0};
-        }
-        const int64_t first = sparse_edge_at(&e, f->x0, f->y0 + begin * px_of(f)) >> grid, most = 8 * EDGE_LONG;
-        const int32_t near = (int32_t)(first < -most ? -most : first > most ? most : first), across = (int32_t)e.a;
-        at[k]   = near + across * (i32row){0, 1, 2, 3, 4, 5, 6, 7};
-        down[k] = (int32_t)e.b - (i32row){0};
+        const lanes_edge e    = lanes_edge_of(&corners, k, f->x0, f->y0);
+        const i64s       fits = (i64s_length(e.a) + i64s_length(e.b) - EDGE_LONG) >> 63, first = e.at >> f->d->triangles->grid;
+        const i64s       above = (most - first) >> 63, below = (first + most) >> 63;
+        edges.first[k]   = __builtin_convertvector(((first & ~(above | below)) | (most & above) | (-most & below)) & fits, i32s);
+        edges.across[k]  = __builtin_convertvector(e.a & fits, i32s);
+        edges.down[k]    = __builtin_convertvector(e.b & fits, i32s);
+        edges.is_long[k] = i64s_negative(~fits);
     }
-    for (int row = begin; row < end; row++) {
-        outside |= (uint64_t)i32row_negative(at[0] | at[1] | at[2]) << 8 * row;
+    return edges;
+}
+
+/* Texels whose centres are in a triangle. */
+static inline uint64_t covered(const leaf *f, const tile_edges *e, int lane, uint32_t id)
+{
+    u32rows  at[3], down[3];
+    uint64_t outside = 0;
+    for (int k = 0; k < 3; k++) {
+        at[k]   = u32rows_ramp(e->first[k][lane], e->across[k][lane], e->down[k][lane]);
+        down[k] = (uint32_t)e->down[k][lane] * ROWS - (u32rows){0};
+    }
+    for (int row = 0; row < 8; row += ROWS) {
+        outside |= (uint64_t)u32rows_negative(at[0] | at[1] | at[2]) << 8 * row;
         for (int k = 0; k < 3; k++) at[k] += down[k];
     }
-    return ~outside & (ALL_TEXELS << 8 * begin) & (ALL_TEXELS >> (64 - 8 * end));
+    for (int k = 0; k < 3; k++)
+        if (e->is_long[k] >> lane & 1) {
+            const sparse_edge edge = sparse_edge_of(&f->d->triangles->all[id], k);
+            outside |= outside_long(f, &edge);
+        }
+    return ~outside;
 }
 
 /* Twice the area of a point and the edge from corner k to the next. */
@@ -113,16 +137,6 @@ static double share_of(const sparse_triangle *t, int k, double x, double y)
     return ((double)t->x[n] - t->x[k]) * (y - t->y[k]) - ((double)t->y[n] - t->y[k]) * (x - t->x[k]);
 }
 
-static double x_of(const leaf *f, int texel)
-{
-    return (double)(f->x0 + (texel & 7) * px_of(f));
-}
-
-static double y_of(const leaf *f, int texel)
-{
-    return (double)(f->y0 + (texel >> 3) * px_of(f));
-}
-
 static uint64_t without_holes(const leaf *f, uint32_t id, uint64_t texels)
 {
     const sparse_triangles *s    = f->d->triangles;
@@ -130,7 +144,7 @@ static uint64_t without_holes(const leaf *f, uint32_t id, uint64_t texels)
     const alpha_mask       *mask = &s->casters->alpha_masks[s->mask_of[id - s->holed_first]];
     for (uint64_t rest = texels; rest; rest &= rest - 1) {
         int    n = __builtin_ctzll(rest);
-        double x = x_of(f, n), y = y_of(f, n), u = 0, v = 0, q = 0;
+        double x = f->x_of[n & 7], y = f->y_of[n >> 3], u = 0, v = 0, q = 0;
         for (int k = 0; k < 3; k++) {
             double share = share_of(&s->all[id], k < 2 ? k + 1 : 0, x, y); /* weight of the corner opposite to the edge */
             u += share * (double)uvq[k].u;
@@ -152,78 +166,112 @@ static uint32_t bits_of(uint64_t texels, int first)
 /* Depths of a triangle in LANES texels from `first` on.   bits  the covered ones */
 static f64s depths_of(const leaf *f, const sparse_triangle *t, int first, uint32_t bits)
 {
-    const f64s rise = lanes_rise(t, f64s_ramp(x_of(f, first), (double)px_of(f)));
-    return f64s_select(bits, lanes_depth(t, rise, y_of(f, first)), f64s_all(INFINITY));
+    const f64s rise = lanes_rise(t, f64s_load(f->x_of + (first & 7)));
+    return f64s_select(bits, lanes_depth(t, rise, lanes_fall(t, f64s_all(f->y_of[first >> 3]))), f64s_all(INFINITY));
 }
 
-/* Insert a depth in LANES texels from `first` on if it is among the `count` nearest, which are sorted. */
-static inline void keep_depth(double (*nearest)[64], int count, int first, f64s z)
-{
-    for (int n = 0; n < count; n++) {
-        const f64s before = f64s_load(nearest[n] + first);
-        f64s_store(nearest[n] + first, f64s_min(before, z));
-        z = f64s_max(before, z);
-    }
-}
-
-/* The same for all texels that a triangle covers. */
-static inline void keep_depths(const leaf *f, const sparse_triangle *t, uint64_t texels, double (*nearest)[64], int count)
+/* Insert depths of a triangle into `count` layers. more: those that are displaced from the last one become the next layer. */
+static ALWAYS_INLINE void insert(const leaf *f, const sparse_triangle *t, uint64_t texels, nearest_depths *k, int count, int more)
 {
     const sparse_triangle plane = *t; /* a copy, so that the compiler need not reload it after stores of depths */
-    const int             begin = __builtin_ctzll(texels) & ~7, end = 64 - __builtin_clzll(texels);
+    double                falls[8];
+    const int             begin = more ? 0 : __builtin_ctzll(texels) & ~7, end = more ? 64 : 64 - __builtin_clzll(texels);
+    for (int n = 0; n < 8; n += LANES) f64s_store(falls + n, lanes_fall(&plane, f64s_load(f->y_of + n)));
     for (int n = 0; n < 8; n += LANES) {
-        const f64s rise = lanes_rise(&plane, f64s_ramp(x_of(f, n), (double)px_of(f)));
+        const f64s rise = lanes_rise(&plane, f64s_load(f->x_of + n));
         for (int first = begin + n; first < end; first += 8) {
-            const f64s z = lanes_depth(&plane, rise, y_of(f, first));
-            keep_depth(nearest, count, first, f64s_select(bits_of(texels, first), z, f64s_all(INFINITY)));
+            f64s z =
+                f64s_select(bits_of(texels, first), lanes_depth(&plane, rise, falls[first >> 3] - (f64s){0}), f64s_all(INFINITY));
+            for (int layer = 0; layer < count; layer++) {
+                const f64s before = f64s_load(k->room[layer] + first);
+                f64s_store(k->room[layer] + first, f64s_min(before, z));
+                z = f64s_max(before, z);
+            }
+            if (more) f64s_store(k->room[count] + first, z);
         }
     }
+}
+
+static void keep_depths(const leaf *f, const sparse_triangle *t, uint64_t texels, nearest_depths *k)
+{
+    const int more = k->count < k->most;
+    switch (2 * k->count + more) {
+    case 1: insert(f, t, texels, k, 0, 1); break;
+    case 2: insert(f, t, texels, k, 1, 0); break;
+    case 3: insert(f, t, texels, k, 1, 1); break;
+    case 4: insert(f, t, texels, k, 2, 0); break;
+    case 5: insert(f, t, texels, k, 2, 1); break;
+    default: insert(f, t, texels, k, LAYERS + 1, 0);
+    }
+    if (more) {
+        k->layers[k->count] = k->room[k->count];
+        k->count++;
+    }
+}
+
+static void no_depths(nearest_depths *k, int most)
+{
+#define EIGHT INFINITY, INFINITY, INFINITY, INFINITY, INFINITY, INFINITY, INFINITY, INFINITY
+    static const double none[64] = {EIGHT, EIGHT, EIGHT, EIGHT, EIGHT, EIGHT, EIGHT, EIGHT};
+    for (int n = 0; n <= LAYERS; n++) k->layers[n] = none;
+    k->count = 0;
+    k->most  = most;
 }
 
 /* Nearest depths in LANES texels from `first` on. */
 static f64s first_of(const leaf *f, int first)
 {
-    return f64s_min(f64s_load(f->sheet + first), f64s_min(f64s_load(f->front[0] + first), f64s_load(f->back[0] + first)));
+    return f64s_min(f64s_load(f->sheet.layers[0] + first),
+                    f64s_min(f64s_load(f->front.layers[0] + first), f64s_load(f->back.layers[0] + first)));
 }
 
-/* Texels that a triangle of the list covers. Triangles with holes come last. Their alpha mask is read only if the triangle is met
- * first, or if surfaces behind matter. */
-static uint64_t texels_of(const leaf *f, const square_entry *e, sparse_tags tags)
+/* Of the texels that a triangle covers, those without a hole. If surfaces behind do not matter, the alpha mask of a sheet is read
+ * only where the sheet is met first. */
+static uint64_t opaque(const leaf *f, uint32_t id, sparse_tags tags, uint64_t texels)
 {
-    const sparse_triangle *t      = &f->d->triangles->all[e->id];
-    uint64_t               texels = e->bits & ENTRY_COVERS ? ALL_TEXELS : covered(f, t);
-    if (!(tags.kind & SPARSE_HOLED)) return texels;
     if (sparse_is_sheet(tags) && !dont_care_needs_next(&f->d->dont_care)) {
         /* the texels in which no surface lies before the triangle */
         uint64_t met = 0;
         for (int first = 0; first < 64; first += LANES) {
-            const f64s z = depths_of(f, t, first, bits_of(texels, first));
+            const f64s z = depths_of(f, &f->d->triangles->all[id], first, bits_of(texels, first));
             met |= (uint64_t)i64s_negative((i64s)(z <= first_of(f, first))) << first;
         }
         texels = met & texels;
     }
-    return without_holes(f, e->id, texels);
+    return without_holes(f, id, texels);
 }
 
+static void meet(leaf *f, uint32_t id, sparse_tags tags, uint64_t texels)
+{
+    const sparse_triangle *t = &f->d->triangles->all[id];
+    f->faces[f->count++]     = (leaf_face){t, tags, texels};
+    keep_depths(f, t, texels, sparse_is_sheet(tags) ? &f->sheet : sparse_is_exit(tags) ? &f->back : &f->front);
+}
+
+/* Triangles with holes come last. */
 static void meet_all(leaf *f, const square_list *l)
 {
-    for (int n = 0; n < 64; n += LANES) {
-        f64s_store(f->sheet + n, f64s_all(INFINITY));
-        for (int k = 0; k < LAYERS; k++) f64s_store(f->back[k] + n, f64s_all(INFINITY));
-        for (int k = 0; k <= LAYERS; k++) f64s_store(f->front[k] + n, f64s_all(INFINITY));
-    }
+    no_depths(&f->front, LAYERS + 1);
+    no_depths(&f->back, LAYERS);
+    no_depths(&f->sheet, 1);
     f->count = 0;
-    for (size_t n = 0; n < l->count; n++) {
-        const sparse_triangle *t      = &f->d->triangles->all[l->items[n].id];
-        const uint64_t         texels = texels_of(f, &l->items[n], l->tags[n]);
-        if (!texels) continue;
-        f->faces[f->count++] = (leaf_face){t, l->tags[n], texels};
-        if (sparse_is_sheet(l->tags[n]))
-            keep_depths(f, t, texels, &f->sheet, 1);
-        else if (sparse_is_exit(l->tags[n]))
-            keep_depths(f, t, texels, f->back, LAYERS);
-        else
-            keep_depths(f, t, texels, f->front, LAYERS + 1);
+    for (size_t begin = 0; begin < l->count; begin += LANES) {
+        tile_edges edges;
+        uint32_t   ids[LANES], covers = 1;
+        for (size_t n = 0; n < LANES; n++) {
+            const square_entry *e = &l->items[begin + n < l->count ? begin + n : l->count - 1];
+            ids[n]                = e->id;
+            covers &= e->bits; /* ENTRY_COVERS is bit 0 */
+        }
+        if (!covers) edges = edges_of(f, ids);
+        for (size_t n = begin; n < begin + LANES && n < l->count; n++) {
+            const uint32_t    id     = l->items[n].id;
+            const sparse_tags tags   = l->tags[n];
+            uint64_t          texels = ALL_TEXELS;
+            if (!(l->items[n].bits & ENTRY_COVERS)) texels = covered(f, &edges, (int)(n - begin), id);
+            if (tags.kind & SPARSE_HOLED) texels = opaque(f, id, tags, texels);
+            if (texels) meet(f, id, tags, texels);
+        }
     }
 }
 
@@ -307,7 +355,7 @@ static f64s exits_of(leaf *f, int first, i64s open)
     const i64s count = i64s_all(f->d->nearest_back ? 0 : -1);
     f64s       exits = f64s_all(INFINITY);
     for (int n = 0; n < LAYERS && i64s_negative(open); n++) {
-        const f64s back = f64s_load(f->back[n] + first), front = f64s_load(f->front[n + 1] + first);
+        const f64s back = f64s_load(f->back.layers[n] + first), front = f64s_load(f->front.layers[n + 1] + first);
         const i64s more = (i64s)(front <= back) & (i64s)(back <= f64s_all(f->known)) & count; /* the ray may have entered another
                                                                                                  solid before */
         exits           = f64s_choose(open & ~more, exit_by(f, back), exits);
@@ -326,7 +374,7 @@ static f64s exits_of(leaf *f, int first, i64s open)
     }
 
     const f64s others =
-        f->solids > FEW_FACES ? exits_by_sorting(f, texels) : exits_by_counting(f, f64s_load(f->back[0] + first), open);
+        f->solids > FEW_FACES ? exits_by_sorting(f, texels) : exits_by_counting(f, f64s_load(f->back.layers[0] + first), open);
     return f64s_choose(open, others, exits);
 }
 
@@ -360,7 +408,7 @@ static f64s later_exits(const leaf *f, int first, f64s exits)
 static void find_columns(leaf *f, int first)
 {
     const f64s e    = first_of(f, first);
-    const i64s open = (i64s)(e < f64s_load(f->sheet + first));
+    const i64s open = (i64s)(e < f64s_load(f->sheet.layers[0] + first));
     f64s       x    = e;
     if (i64s_negative(open)) x = f64s_choose(open, exits_of(f, first, open), e);
     if (dont_care_needs_next(&f->d->dont_care)) x = later_exits(f, first, x);
@@ -409,10 +457,14 @@ int AT_LEVEL(leaf_columns)(leaf_scratch *s, const leaf_desc *d, const square_lis
     if (!array_reserve(&s->hits, &s->hit_capacity, l->count, sizeof *s->hits)) return 0;
     if (!array_reserve(&s->backs, &s->back_capacity, l->count, sizeof *s->backs)) return 0;
     if (!array_reserve(&s->depths, &s->depth_capacity, l->count * LANES, sizeof *s->depths)) return 0;
-    f.d      = d;
-    f.bound  = b;
-    f.x0     = ((int64_t)(2 * square.u + 1) << d->triangles->grid) / 2;
-    f.y0     = ((int64_t)(2 * square.v + 1) << d->triangles->grid) / 2;
+    f.d     = d;
+    f.bound = b;
+    f.x0    = ((int64_t)(2 * square.u + 1) << d->triangles->grid) / 2;
+    f.y0    = ((int64_t)(2 * square.v + 1) << d->triangles->grid) / 2;
+    for (int n = 0; n < 8; n++) {
+        f.x_of[n] = (double)(f.x0 + n * px_of(&f));
+        f.y_of[n] = (double)(f.y0 + n * px_of(&f));
+    }
     f.frees  = d->dont_care.behind && !b->behind;
     f.known  = f.frees ? DBL_MAX : b->enter_most;
     f.faces  = s->faces;

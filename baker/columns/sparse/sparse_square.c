@@ -76,23 +76,20 @@ static void set_bounds(sparse_square *q, texel_square at, column_bounds b)
         for (uint32_t i = 0; i < side; i++) corner[(size_t)j * across + i] = b;
 }
 
-/* Returns 0 without memory. */
-static int keep_tile(const square_maker *w, square_worker *worker, texel_square at, const column_tile *tile)
+/* Where the worker's next tile goes. Returns NULL without memory. */
+static column_tile *next_tile(const square_maker *w, square_worker *worker)
 {
     if (!worker->pages || worker->pages->count == PAGE_TILES) { /* put an empty page before the worker's other pages */
         leaf_page *page = worker->spare;
         if (page)
             worker->spare = page->next;
         else if ((++worker->page_count % LOOK_PAGES == 0 && !context_has_memory(w->ctx)) || !(page = malloc(sizeof *page)))
-            return 0;
+            return NULL;
         page->next    = worker->pages;
         page->count   = 0;
         worker->pages = page;
     }
-    column_tile *kept              = &worker->pages->tiles[worker->pages->count++];
-    *kept                          = *tile;
-    w->q->tiles[tile_at(w->q, at)] = kept;
-    return 1;
+    return &worker->pages->tiles[worker->pages->count];
 }
 
 /* the descent ----------------------------------------------------------------------------------------------------------------- */
@@ -137,11 +134,14 @@ static int make_square(const square_maker *w, square_worker *worker, texel_squar
     if (!w->d->every_texel && (at.side > SMALL_PX ? settle_large(w, at, &bound, l) : settle_small(w, at, &bound, l))) return 1;
     if (at.side == 8) {
         /* evaluate all texels; columns are not stored if one depth separates lit from shadowed */
-        column_tile   tile;
+        column_tile  *tile = next_tile(w, worker);
         column_bounds b;
-        if (!w->level->leaf(&worker->leaf, w->d, l, &bound, at, &tile, &b)) return 0;
+        if (!tile || !w->level->leaf(&worker->leaf, w->d, l, &bound, at, tile, &b)) return 0;
         set_bounds(w->q, at, b);
-        return (b.emax <= b.xmin && !w->d->every_texel) || keep_tile(w, worker, at, &tile);
+        if (b.emax <= b.xmin && !w->d->every_texel) return 1;
+        w->q->tiles[tile_at(w->q, at)] = tile;
+        worker->pages->count++;
+        return 1;
     }
     if (at.side == PASS_PX) run_control_wait();
     uint32_t     half    = at.side / 2;

@@ -16,29 +16,39 @@ typedef struct patch_run {
     double   lo, hi;  /* depth range of all */
     double   covered; /* least hi of the triangles that cover the whole square */
     uint32_t sampled; /* triangles that cover the middle. Not next to `ends`: gcc would load both as one, after a stall */
-    int      exits;   /* some are back faces of solids */
-    int      sheets;  /* some belong to sheets */
+    int      exits;   /* they are back faces of solids */
+    int      sheets;  /* they belong to sheets */
     int      faces;   /* all belong to one-sided sheets that face the light */
 } patch_run;
 
 static inline patch_run patch_run_from(const square_list *l, size_t begin)
 {
-    patch_run r     = {.begin = begin, .end = begin, .lo = INFINITY, .hi = -INFINITY, .covered = INFINITY, .faces = 1};
-    uint32_t  patch = l->tags[begin].patch;
-    for (; r.end < l->count && l->tags[r.end].patch == patch; r.end++) {
-        const sparse_tags tags = l->tags[r.end];
-        const uint32_t    bits = l->items[r.end].bits;
-        r.exits |= sparse_is_exit(tags);
-        r.sheets |= sparse_is_sheet(tags);
-        r.faces &= (tags.kind & SPARSE_FACES) != 0;
-        r.sampled += (bits & ENTRY_SAMPLE) != 0;
-        r.ends |= (bits & ENTRY_END) != 0;
-        r.lo                      = least(r.lo, l->lo[r.end]);
-        r.hi                      = greatest(r.hi, l->hi[r.end]);
-        const double if_covers[2] = {INFINITY, l->hi[r.end]}; /* no branch: it would be unpredictable */
-        r.covered                 = least(r.covered, if_covers[bits & ENTRY_COVERS]);
-    }
-    return r;
+    static const double penalty[2] = {INFINITY, 0}; /* no branch on ENTRY_COVERS: it would be unpredictable */
+    const sparse_tags   first      = l->tags[begin];
+    const sparse_tags  *tags       = l->tags;
+    const size_t        count      = l->count;
+    size_t              n          = begin;
+    double              lo = INFINITY, hi = -INFINITY, covered = INFINITY;
+    uint32_t            sampled = 0, any = 0, all = first.kind;
+    do {
+        const uint32_t bits = l->items[n].bits;
+        lo                  = least(lo, l->lo[n]);
+        hi                  = greatest(hi, l->hi[n]);
+        covered             = least(covered, l->hi[n] + penalty[bits & ENTRY_COVERS]);
+        sampled += bits / ENTRY_SAMPLE & 1;
+        any |= bits;
+        all &= tags[n].kind;
+    } while (++n < count && tags[n].patch == first.patch);
+    return (patch_run){.begin   = begin,
+                       .end     = n,
+                       .ends    = (any & ENTRY_END) != 0,
+                       .lo      = lo,
+                       .hi      = hi,
+                       .covered = covered,
+                       .sampled = sampled,
+                       .exits   = sparse_is_exit(first),
+                       .sheets  = sparse_is_sheet(first),
+                       .faces   = (all & SPARSE_FACES) != 0};
 }
 
 /* No texel's centre is in the patch. A patch that has lost triangles in larger squares may look like this too; but then it reaches

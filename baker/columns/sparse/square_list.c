@@ -11,9 +11,9 @@ enum { QUARTERS = 4, LOADED_AHEAD = 16, LEAST_CAPACITY = 64 };
 /* Constants for all triangles. */
 typedef struct splitter {
     const sparse_triangles *s;
-    i64s                    x, y;      /* middle of the square, subtexels */
-    i64s                    step;      /* from there to the centres of the quarters, along x and y; 0: one square, not quarters */
-    i64s                    half;      /* of the side of the box of a quarter's texel centres */
+    int64_t                 x, y;      /* middle of the square, subtexels */
+    int64_t                 step;      /* from there to the centres of the quarters, along x and y; 0: one square, not quarters */
+    int64_t                 half;      /* of the side of the box of a quarter's texel centres */
     uint32_t                side_log2; /* of half of a quarter's side, subtexels */
     double                  middle_x[2], middle_y[2];
 } splitter;
@@ -24,10 +24,10 @@ static splitter splitter_of(const sparse_triangles *s, texel_square square, uint
                   y    = ((int64_t)(2 * square.v + square.side) << s->grid) / 2;
     const int64_t step = ((int64_t)(square.side - side) << s->grid) / 2, half = ((int64_t)(side - 1) << s->grid) / 2;
     return (splitter){.s         = s,
-                      .x         = i64s_all(x),
-                      .y         = i64s_all(y),
-                      .step      = i64s_all(step),
-                      .half      = i64s_all(half),
+                      .x         = x,
+                      .y         = y,
+                      .step      = step,
+                      .half      = half,
                       .side_log2 = log2_u32(side) + s->grid - 1,
                       .middle_x  = {(double)(x - step), (double)(x + step)},
                       .middle_y  = {(double)(y - step), (double)(y + step)}};
@@ -35,56 +35,33 @@ static splitter splitter_of(const sparse_triangles *s, texel_square square, uint
 
 /* LANES triangles: one in each element. */
 typedef struct triangle_lanes {
-    i64s x[3], y[3];
-    f64s x0, y0, zmin, zmax, gx, gy, slack;
-    u64s id, tags;
+    lanes_corners corners;
+    f64s          x0, y0, zmin, zmax, gx, gy, slack;
+    u64s          id, tags;
 } triangle_lanes;
-
-static inline uint64_t eight_bytes(const void *from)
-{
-    uint64_t bytes;
-    memcpy(&bytes, from, sizeof bytes);
-    return bytes;
-}
-
-/* Two 32-bit numbers of each element. */
-static inline void halves_of(u64s pairs, i32s *first, i32s *second)
-{
-    *first  = __builtin_convertvector(pairs, i32s);
-    *second = __builtin_convertvector(pairs >> 32, i32s);
-}
 
 static inline triangle_lanes load(const sparse_triangles *s, const uint32_t ids[LANES])
 {
 #define TRIANGLE(n) (&s->all[ids[n]])
-#define X01(n)      eight_bytes(&TRIANGLE(n)->x[0])
-#define X2Y0(n)     eight_bytes(&TRIANGLE(n)->x[2])
-#define Y12(n)      eight_bytes(&TRIANGLE(n)->y[1])
-#define ID(n)       ids[n]
-#define TAGS(n)     eight_bytes(&s->tags[ids[n]])
+#define X0(n)       TRIANGLE(n)->x[0]
+#define Y0(n)       TRIANGLE(n)->y[0]
 #define ZMIN(n)     TRIANGLE(n)->zmin
 #define ZMAX(n)     TRIANGLE(n)->zmax
 #define GX(n)       TRIANGLE(n)->gx
 #define GY(n)       TRIANGLE(n)->gy
 #define SLACK(n)    TRIANGLE(n)->slack
-    triangle_lanes t = {.zmin  = EACH_LANE(ZMIN),
-                        .zmax  = EACH_LANE(ZMAX),
-                        .gx    = EACH_LANE(GX),
-                        .gy    = EACH_LANE(GY),
-                        .slack = EACH_LANE(SLACK),
-                        .id    = EACH_LANE(ID),
-                        .tags  = EACH_LANE(TAGS)};
-    i32s           x[3], y[3];
-    halves_of((u64s)EACH_LANE(X01), &x[0], &x[1]);
-    halves_of((u64s)EACH_LANE(X2Y0), &x[2], &y[0]);
-    halves_of((u64s)EACH_LANE(Y12), &y[1], &y[2]);
-    for (int k = 0; k < 3; k++) {
-        t.x[k] = __builtin_convertvector(x[k], i64s);
-        t.y[k] = __builtin_convertvector(y[k], i64s);
-    }
-    t.x0 = __builtin_convertvector(x[0], f64s);
-    t.y0 = __builtin_convertvector(y[0], f64s);
-    return t;
+#define ID(n)       ids[n]
+#define TAGS(n)     eight_bytes(&s->tags[ids[n]])
+    return (triangle_lanes){.corners = lanes_corners_of(s, ids),
+                            .x0      = EACH_LANE(X0),
+                            .y0      = EACH_LANE(Y0),
+                            .zmin    = EACH_LANE(ZMIN),
+                            .zmax    = EACH_LANE(ZMAX),
+                            .gx      = EACH_LANE(GX),
+                            .gy      = EACH_LANE(GY),
+                            .slack   = EACH_LANE(SLACK),
+                            .id      = EACH_LANE(ID),
+                            .tags    = EACH_LANE(TAGS)};
 }
 
 /* Results for a quarter: negative elements mean yes. */
@@ -101,7 +78,7 @@ static inline f64s f64s_absolute(f64s v)
 /* Depth range of the triangles in a quarter. If it is empty, the plane is outside the triangle's depth range there. */
 static inline quarter_answer depths_in(const splitter *w, const triangle_lanes *t, int quarter)
 {
-    const f64s     rise  = (f64s_absolute(t->gx) + f64s_absolute(t->gy)) * (double)w->half[0] + t->slack;
+    const f64s     rise  = (f64s_absolute(t->gx) + f64s_absolute(t->gy)) * (double)w->half + t->slack;
     const f64s     depth = t->zmin + t->gy * (w->middle_y[quarter >> 1] - t->y0) + t->gx * (w->middle_x[quarter & 1] - t->x0);
     quarter_answer q     = {.lo = f64s_max(depth - rise, t->zmin), .hi = f64s_min(depth + rise, t->zmax)};
     q.missed             = (i64s)(q.lo > q.hi);
@@ -111,26 +88,21 @@ static inline quarter_answer depths_in(const splitter *w, const triangle_lanes *
 /* Put the edge from corner k to the next into the answers. */
 static inline void ask_edge(const splitter *w, const triangle_lanes *t, int k, quarter_answer *answers, int count)
 {
-    /* a (x - x0) + b (y - y0) - c of sparse_edge, at the middle. The sign of a 2^32 + b says who owns the edge */
-    const int  next = k < 2 ? k + 1 : 0;
-    const i64s a = t->y[k] - t->y[next], b = t->x[next] - t->x[k], dx = w->x - t->x[k], dy = w->y - t->y[k];
-    const i64s c  = (i64s)((u64s)((a << 32) + b - 1) >> 63);
-    const i64s at = i64s_product(a, dx) + i64s_product(b, dy) - c;
+    const lanes_edge e = lanes_edge_of(&t->corners, k, w->x, w->y);
 
-    /* half of the side of the box of texel centres: that of the quarter, less half a texel */
-    const i64s a_sign = a >> 63, b_sign = b >> 63, both = ((a ^ a_sign) - a_sign) + ((b ^ b_sign) - b_sign);
-    const i64s reach = (both << w->side_log2) - (both << (w->s->grid - 1));
+    /* half of the side of the box of texel centres is that of the quarter, less half a texel */
+    const i64s both = i64s_length(e.a) + i64s_length(e.b), reach = (both << w->side_log2) - (both << (w->s->grid - 1));
 
-    /* the box of the edge, with `half` around it, from the middle: quarters apart from it; negative elements mean yes */
-    const i64s ends = (i64s)(t->tags << (63 - (40 + (uint32_t)k)));
-    const i64s x0 = (b & b_sign) - w->half - dx, x1 = (b & ~b_sign) + w->half - dx;
-    const i64s y0 = (-a & ~a_sign) - w->half - dy, y1 = (-a & a_sign) + w->half - dy;
+    /* the box of the edge, with `half` around it, from the middle */
+    const i64s ends = (i64s)(t->tags << (63 - (40 + (uint32_t)k))), a_sign = e.a >> 63, b_sign = e.b >> 63;
+    const i64s x0 = (e.b & b_sign) - w->half - e.dx, x1 = (e.b & ~b_sign) + w->half - e.dx;
+    const i64s y0 = (-e.a & ~a_sign) - w->half - e.dy, y1 = (-e.a & a_sign) + w->half - e.dy;
 
-    const i64s along_x = a << w->side_log2, along_y = b << w->side_log2;
+    const i64s along_x = e.a << w->side_log2, along_y = e.b << w->side_log2;
     for (int n = 0; n < count; n++) {
-        const i64s x = n & 1 ? w->step : -w->step, y = n & 2 ? w->step : -w->step;
-        const i64s middle = count == 1 ? at : at + (n & 1 ? along_x : -along_x) + (n & 2 ? along_y : -along_y);
-        const i64s less = middle - reach, apart = (x1 - x) | (x - x0) | (y1 - y) | (y - y0);
+        const int64_t x = n & 1 ? w->step : -w->step, y = n & 2 ? w->step : -w->step;
+        const i64s    middle = count == 1 ? e.at : e.at + (n & 1 ? along_x : -along_x) + (n & 2 ? along_y : -along_y);
+        const i64s    less = middle - reach, apart = (x1 - x) | (x - x0) | (y1 - y) | (y - y0);
         answers[n].missed |= middle + reach;
         answers[n].uncovered |= less;
         answers[n].unsampled |= middle;
