@@ -577,11 +577,11 @@ static void searches_find_the_same(void **state)
 {
     (void)state;
     enum { FINDS = 9000, MASKS = 2 };
-    pattern_set set[CPU_AVX2 + 1] = {{.cpu = CPU_SSE2}, {.cpu = CPU_AVX2}};
-    rng         r                 = {5};
+    pattern_set set[CPU_AVX512 + 1] = {{.cpu = CPU_SSE2}, {.cpu = CPU_AVX2}, {.cpu = CPU_AVX512}};
+    rng         r                   = {5};
     for (int n = 0; n < FINDS; n++) {
         mask_need needs[MASKS];
-        uint32_t  id[CPU_AVX2 + 1];
+        uint32_t  id[CPU_AVX512 + 1];
         uint64_t  dark = rng_mask(&r), asked = rng_mask(&r) & rng_mask(&r);
         needs[0] = (mask_need){dark & asked, ~dark & asked};
         needs[1] = (mask_need){needs[0].dark, needs[0].lit & rng_mask(&r)};
@@ -591,7 +591,7 @@ static void searches_find_the_same(void **state)
         }
     }
     assert_true(set[CPU_SSE2].count > PATTERN_WINDOW && set[CPU_SSE2].count < FINDS);
-    for (int cpu = CPU_SSE2; cpu <= CPU_AVX2; cpu++) pattern_set_free(&set[cpu]);
+    for (int cpu = CPU_SSE2; cpu <= CPU_AVX512; cpu++) pattern_set_free(&set[cpu]);
 }
 
 /* A quadrant has as few depths as its ranges can do with: those are stabbed one by one, the one that ends first before all
