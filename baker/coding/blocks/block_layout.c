@@ -4,9 +4,11 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <xxhash.h>
 
 #include "baker/base/array.h"
 #include "baker/base/parallel.h"
+#include "baker/base/ref_table.h"
 #include "baker/base/system.h"
 #include "baker/base/z_order.h"
 #include "baker/coding/blocks/blocks.h"
@@ -132,6 +134,16 @@ static void encode_some_patterns(void *user, size_t begin, size_t end, uint32_t 
     }
 }
 
+static vxs_result measure_codes(layout *l, int is_private)
+{
+    const size_t count       = l->codes[is_private].count;
+    l->common[is_private]    = calloc(count + 1, sizeof *l->common[is_private]);
+    l->code_size[is_private] = malloc(count + 1);
+    if (!l->common[is_private] || !l->code_size[is_private]) return VXS_E_MEMORY;
+    for (uint32_t code = 0; code < count; code++) l->code_size[is_private][code] = code_halves(l, is_private, code)[-1] & 0xff;
+    return VXS_OK;
+}
+
 /* Choose and encode depths on all threads, then unify equal codes in order. */
 static vxs_result encode_patterns(layout *l)
 {
@@ -155,11 +167,12 @@ static vxs_result encode_patterns(layout *l)
             uint32_t id         = is_private ? (uint32_t)at : l->set->patterns.by_depths[kind].ids[at];
             r                   = intern_find(&l->codes[is_private], code, bytes, &l->code_of[is_private][id]);
         }
-        for (int n = 0; n < 2 && r == VXS_OK; n++)
-            if (!(l->common[n] = calloc(l->codes[n].count + 1, sizeof *l->common[n]))) r = VXS_E_MEMORY;
+        for (int n = 0; n < 2 && r == VXS_OK; n++) r = measure_codes(l, n);
     }
     free(c.shared);
     free(c.privates);
+    pattern_set_free(&l->set->patterns);
+    private_set_free(&l->set->privates);
     return r;
 }
 
@@ -173,41 +186,81 @@ static int by_place(const void *a, const void *b, void *user)
     return (xz > yz) - (xz < yz);
 }
 
+/* Base of a node, in steps: no depth may be below it. The slope can move depths of uniform blocks behind the end of the map; if all
+ * depths are there, the base is 0. */
+static uint32_t base_of(const layout *l, const block_node *n)
+{
+    const uint32_t never  = l->never + (uint32_t)slope_shift_max(n->slope);
+    uint32_t       least  = NEVER;
+    int            inside = 0;
+    for (int b = 0; b < NODE_BLOCKS; b++) {
+        const uint32_t mixed = n->mixed >> b & 1, depth = (uint32_t)n->depth[b];
+        if (mixed || depth < never) least = min_u32(least, depth);
+        inside |= mixed || depth < l->never;
+    }
+    return inside ? min_u32(least >> l->base_shift, 0xffff) : 0;
+}
+
+typedef struct node_shaper {
+    layout   *l;
+    uint64_t *hash; /* [node_count] of shapes */
+} node_shaper;
+
+static void shape_some_nodes(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    const node_shaper *s = user;
+    (void)worker;
+    for (size_t n = begin; n < end; n++) {
+        node_place *to = &s->l->nodes[n];
+        node_shape  shape;
+        to->base = base_of(s->l, &s->l->set->nodes[to->node]);
+        shape_of(&shape, s->l, to);
+        to->words  = layout_node_words(&shape);
+        s->hash[n] = XXH64(&shape, sizeof shape, 0);
+    }
+}
+
+static int same_shape(const layout *l, uint32_t a, uint32_t b)
+{
+    node_shape x, y;
+    shape_of(&x, l, &l->nodes[a]);
+    shape_of(&y, l, &l->nodes[b]);
+    return !memcmp(&x, &y, sizeof x);
+}
+
+/* Give each place the first place of equal shape. */
+static vxs_result unify_shapes(layout *l, const uint64_t *hash)
+{
+    const uint32_t count = (uint32_t)l->set->node_count;
+    ref_table      table = {0};
+    if (!ref_table_reserve(&table, count)) return VXS_E_MEMORY;
+    for (uint32_t n = 0, ref; n < count; n++) {
+        uint64_t at = ref_table_first(&table, hash[n]);
+        while ((ref = ref_table_match(&table, hash[n], &at)) && !same_shape(l, ref - 1, n)) at = ref_table_next(&table, at);
+        if (!ref) ref_table_put(&table, hash[n], at, n + 1);
+        l->nodes[n].shape = ref ? ref - 1 : n;
+    }
+    ref_table_free(&table);
+    return VXS_OK;
+}
+
 static vxs_result shape_nodes(layout *l)
 {
-    size_t     count = l->set->node_count;
-    vxs_result r     = VXS_OK;
-    l->nodes         = calloc(count + 1, sizeof *l->nodes);
-    if (!l->nodes) return VXS_E_MEMORY;
-    for (uint32_t n = 0; n < count; n++) l->nodes[n].node = n;
-    system_sort(l->nodes, count, sizeof *l->nodes, by_place, l->set->nodes);
-    for (node_place *to = l->nodes; to < l->nodes + count && r == VXS_OK; to++) {
-        const block_node *n = &l->set->nodes[to->node];
-        node_shape        shape;
-        memset(&shape, 0, sizeof shape);
-
-        /* Base of the node, in steps: no depth may be below it. The slope can move depths of uniform blocks behind the end of the
-         * map; if all depths are there, the base is 0. */
-        const uint32_t never  = l->never + (uint32_t)slope_shift_max(n->slope);
-        uint32_t       least  = NEVER;
-        int            inside = 0;
-        for (int b = 0; b < NODE_BLOCKS; b++) {
-            const uint32_t mixed = n->mixed >> b & 1, depth = (uint32_t)n->depth[b];
-            if (mixed || depth < never) least = min_u32(least, depth);
-            inside |= mixed || depth < l->never;
+    const size_t count = l->set->node_count;
+    node_shaper  s     = {l, malloc((count + 1) * sizeof *s.hash)};
+    vxs_result   r     = VXS_E_MEMORY;
+    int          order = 0;
+    l->nodes           = calloc(count + 1, sizeof *l->nodes);
+    if (s.hash && l->nodes) {
+        for (uint32_t n = 0; n < count; n++) {
+            l->nodes[n].node = n;
+            if (n) order |= by_place(&l->nodes[n - 1], &l->nodes[n], l->set->nodes) > 0;
         }
-        to->base = inside ? min_u32(least >> l->base_shift, 0xffff) : 0;
-
-        shape.slope   = n->slope;
-        shape.mixed   = n->mixed;
-        uint32_t from = to->base << l->base_shift;
-        for (int b = 0; b < NODE_BLOCKS; b++) {
-            int mixed      = n->mixed >> b & 1;
-            shape.depth[b] = !mixed && (uint32_t)n->depth[b] >= never ? NEVER : (uint32_t)n->depth[b] - from;
-            shape.block[b] = mixed ? n->block[b] : 0;
-        }
-        r = intern_find(&l->shapes, &shape, sizeof shape, &to->shape);
+        if (order) system_sort(l->nodes, count, sizeof *l->nodes, by_place, l->set->nodes);
+        parallel_for(l->threads, count, 256, shape_some_nodes, &s);
+        r = unify_shapes(l, s.hash);
     }
+    free(s.hash);
     return r;
 }
 
@@ -242,7 +295,7 @@ static vxs_result assemble(layout *l)
     return VXS_OK;
 }
 
-vxs_result block_words_lay_out(block_words *out, const block_set *s, uint32_t levels, uint32_t map_count, uint32_t threads)
+vxs_result block_words_lay_out(block_words *out, block_set *s, uint32_t levels, uint32_t map_count, uint32_t threads)
 {
     layout     l = {.set        = s,
                     .threads    = threads,
@@ -253,13 +306,13 @@ vxs_result block_words_lay_out(block_words *out, const block_set *s, uint32_t le
                     .out        = out};
     vxs_result r;
     memset(out, 0, sizeof *out);
-    if ((r = encode_patterns(&l)) == VXS_OK && (r = shape_nodes(&l)) == VXS_OK && (r = layout_cut_pages(&l)) == VXS_OK &&
-        (r = layout_build_top(&l)) == VXS_OK)
+    if ((r = encode_patterns(&l)) == VXS_OK && (r = layout_measure_blocks(&l)) == VXS_OK && (r = shape_nodes(&l)) == VXS_OK &&
+        (r = layout_cut_pages(&l)) == VXS_OK && (r = layout_build_top(&l)) == VXS_OK)
         r = assemble(&l);
 
-    intern_free(&l.shapes);
     for (int is_private = 0; is_private < 2; is_private++) {
         intern_free(&l.codes[is_private]);
+        free(l.code_size[is_private]);
         free(l.code_of[is_private]);
         free(l.common[is_private]);
     }

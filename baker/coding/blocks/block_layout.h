@@ -3,6 +3,8 @@
 #ifndef BLOCK_LAYOUT_H
 #define BLOCK_LAYOUT_H
 
+#include <string.h>
+
 #include "baker/coding/blocks/blocks.h"
 #include "formats/vxs_format.h"
 #include "formats/vxs_page.h"
@@ -18,7 +20,7 @@ enum {
 /* Depth of squares that are never in shadow. */
 #define NEVER UINT32_MAX
 
-/* A node without its position: nodes of equal shape are stored once. */
+/* A node without its position: nodes of equal shape are written once in a page. */
 typedef struct node_shape {
     node_slope slope;
     uint64_t   mixed;
@@ -28,11 +30,12 @@ typedef struct node_shape {
 
 /* Position of a node of the set in the layout. */
 typedef struct node_place {
-    uint32_t node, shape, base; /* base: in steps of the map's depth */
+    uint32_t node, shape, base; /* shape: index of the first place with an equal shape; base: in steps of the map's depth */
+    uint32_t words;             /* size of its record */
     uint32_t page, word;
 } node_place;
 
-/* Position of a thing in the current page; not in the page if the stamp differs. */
+/* Position of a thing in the current page; not in the page if the stamp is of an earlier page. */
 typedef struct in_page {
     uint32_t stamp, at;
 } in_page;
@@ -57,31 +60,30 @@ typedef struct page_end {
 } page_end;
 
 typedef struct layout {
-    const block_set *set;
-    uint32_t         threads, levels, map_count, never, base_shift;
-    intern           shapes, codes[2]; /* shapes of nodes; patterns as halves: [0] shared, [1] private palette */
-    uint32_t        *code_of[2];       /* [0], [1]: by pattern id */
-    node_place      *nodes;            /* [node_count] in z order, map by map */
-    uint16_t        *block_words;      /* [blocks] words of a block without its patterns */
-    page_end        *page_end;         /* [page_count] */
-    size_t           page_count, page_capacity;
-    page_scratch     scratch;   /* scratch of the thread that cuts pages */
-    uint32_t        *common[2]; /* [code] 1 + position of its half in the common pool; 0: not there */
-    uint32_t         common_halves;
-    uint8_t         *common_kinds; /* [common_count] kinds of patterns, in the order of the common pool */
-    size_t           common_count, common_capacity;
-    uint32_t        *top; /* tops and cells of all maps */
-    size_t           top_count, top_capacity;
-    uint32_t         top_start[VXS_CUBE_FACES];
-    block_words     *out;
+    block_set   *set;
+    uint32_t     threads, levels, map_count, never, base_shift;
+    intern       codes[2];     /* patterns as halves: [0] shared, [1] private palette */
+    uint8_t     *code_size[2]; /* [code] number of halves */
+    uint32_t    *code_of[2];   /* [0], [1]: by pattern id */
+    node_place  *nodes;        /* [node_count + 1] in z order, map by map */
+    uint16_t    *block_words;  /* [blocks] words of a block without its patterns */
+    page_end    *page_end;     /* [page_count] */
+    size_t       page_count, page_capacity;
+    page_scratch scratch;   /* scratch of the thread that cuts pages */
+    uint32_t    *common[2]; /* [code] 1 + position of its half in the common pool; 0: not there */
+    uint32_t     common_halves;
+    uint8_t     *common_kinds; /* [common_count] kinds of patterns, in the order of the common pool */
+    size_t       common_count, common_capacity;
+    uint32_t    *top; /* tops and cells of all maps */
+    size_t       top_count, top_capacity;
+    uint32_t     top_start[VXS_CUBE_FACES];
+    block_words *out;
 } layout;
 
 /* The halves of a code. They are stored behind their length and kind. */
-static inline const uint16_t *code_halves(const layout *l, int is_private, uint32_t code, uint32_t *count)
+static inline const uint16_t *code_halves(const layout *l, int is_private, uint32_t code)
 {
-    const uint16_t *halves = intern_at(&l->codes[is_private], code);
-    *count                 = halves[0] & 0xff;
-    return halves + 1;
+    return (const uint16_t *)intern_at(&l->codes[is_private], code) + 1;
 }
 
 /* First word of a page, counted from the first page; for the index behind the last page: the end. */
@@ -90,10 +92,26 @@ static inline uint32_t page_place(const layout *l, size_t page)
     return page ? l->page_end[page - 1].word : 0;
 }
 
-static inline const node_shape *shape_of(const layout *l, const node_place *n)
+/* Blocks that are not mixed have no block; depths that are never in shadow, with any slope, are NEVER. */
+static inline void shape_of(node_shape *shape, const layout *l, const node_place *place)
 {
-    return intern_at(&l->shapes, n->shape);
+    const block_node *n     = &l->set->nodes[place->node];
+    const uint32_t    never = l->never + (uint32_t)slope_shift_max(n->slope), from = place->base << l->base_shift;
+    memset(shape, 0, sizeof *shape);
+    shape->slope = n->slope;
+    shape->mixed = n->mixed;
+    for (int b = 0; b < NODE_BLOCKS; b++) {
+        int mixed       = n->mixed >> b & 1;
+        shape->depth[b] = !mixed && (uint32_t)n->depth[b] >= never ? NEVER : (uint32_t)n->depth[b] - from;
+        shape->block[b] = mixed ? n->block[b] : 0;
+    }
 }
+
+/* Words of a node's record. */
+uint32_t layout_node_words(const node_shape *s);
+
+/* Measure the blocks, and give the patterns of their tiles the numbers of their codes. */
+vxs_result layout_measure_blocks(layout *l);
 
 /* Cut the nodes into as few pages as possible, of about equal size, and place them; choose the common patterns. */
 vxs_result layout_cut_pages(layout *l);

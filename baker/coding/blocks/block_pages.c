@@ -44,6 +44,12 @@ static int is_wide(const node_shape *s)
     return wide;
 }
 
+uint32_t layout_node_words(const node_shape *s)
+{
+    uint32_t mixed = (uint32_t)__builtin_popcountll(s->mixed), fresh = (uint32_t)__builtin_popcountll(fresh_blocks(s));
+    return (NODE_HALVES + mixed + (mixed + fresh) * (is_wide(s) ? 2 : 1) + 1) / 2;
+}
+
 /* blocks ---------------------------------------------------------------------------------------------------------------------- */
 
 /* Sizes and kinds of a block's parts. */
@@ -80,6 +86,25 @@ static block_form form_of(const block *b)
     return f;
 }
 
+static void measure_some_blocks(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    const layout *l = user;
+    (void)worker;
+    for (size_t n = begin; n < end; n++) {
+        const block b     = block_at(l->set, (uint32_t)n);
+        l->block_words[n] = (uint16_t)form_of(&b).words;
+        block_renumber(intern_at(&l->set->blocks, (uint32_t)n), l->code_of[0], l->code_of[1], NULL);
+    }
+}
+
+vxs_result layout_measure_blocks(layout *l)
+{
+    l->block_words = malloc((l->set->blocks.count + 1) * sizeof *l->block_words);
+    if (!l->block_words) return VXS_E_MEMORY;
+    parallel_for(l->threads, l->set->blocks.count, 4096, measure_some_blocks, l);
+    return VXS_OK;
+}
+
 /* pages ----------------------------------------------------------------------------------------------------------------------- */
 
 /* Size of a page, with a node added. */
@@ -87,51 +112,56 @@ typedef struct page_size {
     uint32_t words, halves;
 } page_size;
 
+/* Stamp of the common patterns, which are never new in a page. */
+#define IN_COMMON UINT32_MAX
+
 /* Whether a thing is not in the page yet. Marks it as in the page, at `at`. */
 static int is_new(in_page *p, uint32_t stamp, uint32_t at)
 {
-    if (p->stamp == stamp) return 0;
+    if (p->stamp >= stamp) return 0;
     *p = (in_page){stamp, at};
     return 1;
 }
 
-/* The patterns of a block's tiles. Returns their number. */
-static int codes_of(const layout *l, uint32_t id, tile_code tiles[BLOCK_TILES])
+/* Add to a page the patterns of a block that are not in it yet. */
+static void add_patterns(const layout *l, page_scratch *s, page_size *page, uint32_t id)
 {
     block_head head;
-    uint32_t   patterns[BLOCK_TILES];
-    const int  count = block_patterns(intern_at(&l->set->blocks, id), &head, patterns);
+    uint32_t   codes[BLOCK_TILES];
+    block_patterns(intern_at(&l->set->blocks, id), &head, codes);
     for (uint32_t n = 0, rest = head.patterned; rest; n++, rest &= rest - 1) {
         const int is_private = head.own >> __builtin_ctz(rest) & 1;
-        tiles[n]             = (tile_code){is_private, l->code_of[is_private][patterns[n]]};
+        if (!is_new(&s->code_at[is_private][codes[n]], s->stamp, page->halves)) continue;
+        page->halves += l->code_size[is_private][codes[n]];
+        s->fresh[s->fresh_count++] = (tile_code){is_private, codes[n]};
     }
-    return count;
+}
+
+/* Blocks are scattered in memory: ask for those of a node early. */
+static void prefetch_blocks(const layout *l, const page_scratch *s, const node_place *n)
+{
+    const block_node *node = &l->set->nodes[n->node];
+    for (uint64_t rest = node->mixed; rest; rest &= rest - 1) {
+        const uint32_t id = node->block[__builtin_ctzll(rest)];
+        __builtin_prefetch(&s->block_at[id]);
+        __builtin_prefetch(intern_at(&l->set->blocks, id));
+    }
 }
 
 /* Add to a page the words of a node, and of its blocks and patterns that are not in the page yet; give them places. Patterns
  * count from half 0. */
 static void add_to_page(const layout *l, page_scratch *s, page_size *page, const node_place *n)
 {
-    const node_shape *shape = shape_of(l, n);
-    s->fresh_count          = 0;
+    const block_node *node = &l->set->nodes[n->node];
+    s->fresh_count         = 0;
+    prefetch_blocks(l, s, n + 1);
     if (!is_new(&s->shape_at[n->shape], s->stamp, page->words)) return;
-    /* blocks are scattered in memory: prefetch all blocks of the node */
-    for (uint64_t rest = shape->mixed; rest; rest &= rest - 1)
-        __builtin_prefetch(intern_at(&l->set->blocks, shape->block[__builtin_ctzll(rest)]));
-    uint32_t mixed = (uint32_t)__builtin_popcountll(shape->mixed), fresh = (uint32_t)__builtin_popcountll(fresh_blocks(shape));
-    page->words += (NODE_HALVES + mixed + (mixed + fresh) * (is_wide(shape) ? 2 : 1) + 1) / 2;
-    for (int b = 0; b < NODE_BLOCKS; b++) {
-        if (!(shape->mixed >> b & 1) || !is_new(&s->block_at[shape->block[b]], s->stamp, page->words)) continue;
-        tile_code tiles[BLOCK_TILES];
-        const int count = codes_of(l, shape->block[b], tiles);
-        page->words += l->block_words[shape->block[b]];
-        for (const tile_code *t = tiles; t < tiles + count; t++) {
-            uint32_t halves;
-            if (l->common[t->is_private][t->code] || !is_new(&s->code_at[t->is_private][t->code], s->stamp, page->halves)) continue;
-            code_halves(l, t->is_private, t->code, &halves);
-            page->halves += halves;
-            s->fresh[s->fresh_count++] = *t;
-        }
+    page->words += n->words;
+    for (uint64_t rest = node->mixed; rest; rest &= rest - 1) {
+        const uint32_t id = node->block[__builtin_ctzll(rest)];
+        if (!is_new(&s->block_at[id], s->stamp, page->words)) continue;
+        page->words += l->block_words[id];
+        add_patterns(l, s, page, id);
     }
 }
 
@@ -140,13 +170,22 @@ static uint32_t page_words(const page_size *p)
     return p->words + (p->halves + 1) / 2;
 }
 
+static void mark_common(page_scratch *s, const layout *l)
+{
+    for (int is_private = 0; is_private < 2; is_private++)
+        for (uint32_t code = 0; code < l->codes[is_private].count; code++)
+            if (l->common[is_private][code]) s->code_at[is_private][code].stamp = IN_COMMON;
+}
+
 static vxs_result scratch_init(page_scratch *s, const layout *l)
 {
     *s = (page_scratch){
-        .shape_at = calloc(l->shapes.count + 1, sizeof *s->shape_at),
+        .shape_at = calloc(l->set->node_count + 1, sizeof *s->shape_at),
         .block_at = calloc(l->set->blocks.count + 1, sizeof *s->block_at),
         .code_at  = {calloc(l->codes[0].count + 1, sizeof **s->code_at), calloc(l->codes[1].count + 1, sizeof **s->code_at)}};
-    return s->shape_at && s->block_at && s->code_at[0] && s->code_at[1] ? VXS_OK : VXS_E_MEMORY;
+    if (!s->shape_at || !s->block_at || !s->code_at[0] || !s->code_at[1]) return VXS_E_MEMORY;
+    mark_common(s, l);
+    return VXS_OK;
 }
 
 static void scratch_free(page_scratch *s)
@@ -213,16 +252,6 @@ static int by_use(const void *a, const void *b)
     return (x->code > y->code) - (x->code < y->code);
 }
 
-static void size_some_blocks(void *user, size_t begin, size_t end, uint32_t worker)
-{
-    const layout *l = user;
-    (void)worker;
-    for (size_t n = begin; n < end; n++) {
-        const block b     = block_at(l->set, (uint32_t)n);
-        l->block_words[n] = (uint16_t)form_of(&b).words;
-    }
-}
-
 /* First fill each page, which gives the least number of pages. Then cut again into this number of equal pages, so that threads
  * get equal work. */
 static vxs_result cut_twice(layout *l, uint32_t *const *pages)
@@ -239,18 +268,18 @@ static vxs_result cut_twice(layout *l, uint32_t *const *pages)
             if (pages[is_private][code] > 1) shared[count++] = (shared_code){pages[is_private][code], is_private, code};
     if (count) qsort(shared, count, sizeof *shared, by_use);
     for (const shared_code *c = shared; c < shared + count && r == VXS_OK; c++) {
-        uint32_t        size;
-        const uint16_t *halves = code_halves(l, (int)c->is_private, c->code, &size);
+        const uint32_t size = l->code_size[c->is_private][c->code];
         if (l->common_halves + size > VXS_COMMON_HALVES_MAX) continue;
         if (!array_reserve(&l->common_kinds, &l->common_capacity, l->common_count + 1, sizeof *l->common_kinds)) {
             r = VXS_E_MEMORY;
             break;
         }
-        l->common_kinds[l->common_count++] = (uint8_t)(halves[-1] >> 8);
+        l->common_kinds[l->common_count++] = (uint8_t)(code_halves(l, (int)c->is_private, c->code)[-1] >> 8);
         l->common[c->is_private][c->code]  = 1 + l->common_halves;
         l->common_halves += size;
     }
     free(shared);
+    mark_common(&l->scratch, l);
 
     return r == VXS_OK ? cut(l, page_place(l, l->page_count) / l->page_count + 1, NULL) : r;
 }
@@ -259,12 +288,8 @@ vxs_result layout_cut_pages(layout *l)
 {
     uint32_t  *pages[2] = {calloc(l->codes[0].count + 1, sizeof **pages), calloc(l->codes[1].count + 1, sizeof **pages)};
     vxs_result r        = scratch_init(&l->scratch, l);
-    l->block_words      = malloc((l->set->blocks.count + 1) * sizeof *l->block_words);
-    if (!l->block_words || !pages[0] || !pages[1]) r = VXS_E_MEMORY;
-    if (r == VXS_OK) {
-        parallel_for(l->threads, l->set->blocks.count, 4096, size_some_blocks, l);
-        r = cut_twice(l, pages);
-    }
+    if (!pages[0] || !pages[1]) r = VXS_E_MEMORY;
+    if (r == VXS_OK) r = cut_twice(l, pages);
     free(pages[0]);
     free(pages[1]);
     scratch_free(&l->scratch);
@@ -339,7 +364,7 @@ static void write_block(const layout *l, const page_scratch *s, uint32_t *to, co
     for (const block_tile *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
         if (!tile_has_pattern(t)) continue;
         int      is_private = t->kind == TILE_PRIVATE;
-        uint32_t code = l->code_of[is_private][t->pattern], common = l->common[is_private][code];
+        uint32_t code = t->pattern, common = l->common[is_private][code];
         uint32_t ref = common ? COMMON | (common - 1) : pool + s->code_at[is_private][code].at;
         to[word++]   = ref << 14 | (!is_private ? t->palette : f.far ? 0 : (uint32_t)(t->base + FAR_BASE));
     }
@@ -358,10 +383,9 @@ static void write_block(const layout *l, const page_scratch *s, uint32_t *to, co
 
 static void write_pattern(const layout *l, uint32_t *to, uint32_t half, int is_private, uint32_t code)
 {
-    uint32_t        count;
-    const uint16_t *halves = code_halves(l, is_private, code, &count);
+    const uint16_t *halves = code_halves(l, is_private, code);
     half_writer     w      = {to, half};
-    for (uint32_t n = 0; n < count; n++) put_half(&w, halves[n]);
+    for (uint32_t n = 0; n < l->code_size[is_private][code]; n++) put_half(&w, halves[n]);
 }
 
 /* Write the contents of a page.   words  zeroed */
@@ -375,16 +399,17 @@ static void write_page(page_writer *w, size_t page, uint32_t *words)
     for (uint32_t n = first; n < end; n++) add_to_page(l, &w->scratch, &size, &l->nodes[n]);
     uint32_t pool = 2 * size.words;
     for (uint32_t n = first; n < end; n++) {
-        const node_shape *shape = shape_of(l, &l->nodes[n]);
         if (l->nodes[n].word != next_word) continue;
+        node_shape shape;
+        shape_of(&shape, l, &l->nodes[n]);
         run_control_wait();
-        uint32_t node_words = write_node(&w->scratch, words + next_word, shape);
+        uint32_t node_words = write_node(&w->scratch, words + next_word, &shape);
         next_word += node_words;
         c->nodes++;
         c->node_words += node_words;
         for (int b = 0; b < NODE_BLOCKS; b++) {
-            if (!(shape->mixed >> b & 1) || w->scratch.block_at[shape->block[b]].at != next_word) continue;
-            const block of   = block_at(l->set, shape->block[b]);
+            if (!(shape.mixed >> b & 1) || w->scratch.block_at[shape.block[b]].at != next_word) continue;
+            const block of   = block_at(l->set, shape.block[b]);
             block_form  form = form_of(&of);
             write_block(l, &w->scratch, words + next_word, &of, form, pool);
 
@@ -392,11 +417,10 @@ static void write_page(page_writer *w, size_t page, uint32_t *words)
             for (const block_tile *t = of.tile; t < of.tile + BLOCK_TILES; t++) {
                 if (!tile_has_pattern(t)) continue;
                 int      is_private = t->kind == TILE_PRIVATE;
-                uint32_t code       = l->code_of[is_private][t->pattern], count;
+                uint32_t code       = t->pattern;
                 if (l->common[is_private][code] || w->scratch.code_at[is_private][code].at != next_half) continue;
-                code_halves(l, is_private, code, &count);
                 write_pattern(l, words, pool + next_half, is_private, code);
-                next_half += count;
+                next_half += l->code_size[is_private][code];
                 is_private ? w->counts.private_patterns++ : w->counts.patterns++;
             }
 

@@ -74,7 +74,7 @@ void block_renumber(uint8_t *bytes, const uint32_t *shared, const uint32_t *priv
             continue;
         }
         memcpy(&depth, base, sizeof depth);
-        depth += private_base[was];
+        if (private_base) depth += private_base[was];
         base = put(base, &depth, sizeof depth);
         memcpy(pattern, &privates[was], sizeof was);
     }

@@ -58,7 +58,7 @@ size_t block_pack(const block *b, uint8_t bytes[BLOCK_PACKED_MAX]);
 void block_unpack(block *b, const uint8_t *bytes);
 
 /* Renumber patterns: private-palette ones become privates[was], others shared[was]; private_base[was] is added to the bases of
- * private-palette ones. */
+ * private-palette ones; NULL: nothing is added. */
 void block_renumber(uint8_t *bytes, const uint32_t *shared, const uint32_t *privates, const int32_t *private_base);
 
 /* Read only the patterns of tiles, in the order of the tiles.   patterns  [out] those of head->patterned. Returns their number */
@@ -158,9 +158,10 @@ typedef struct block_words {
 
 /* Lay out the maps of a light: map_count maps of 2^levels texels a side. The set must have all squares of them.
  * out      [out] zeroed on failure; released with block_words_free
+ * s        is used up: afterwards only its counts of nodes and tiles are valid
  * threads  that share the work; words do not depend on it
  * Returns VXS_OK, VXS_E_MEMORY; VXS_E_REFERENCES for more than 32767 pages or 2^32 - 1 words. */
-vxs_result block_words_lay_out(block_words *out, const block_set *s, uint32_t levels, uint32_t map_count, uint32_t threads);
+vxs_result block_words_lay_out(block_words *out, block_set *s, uint32_t levels, uint32_t map_count, uint32_t threads);
 
 /* Accepts a zeroed object. */
 void block_words_free(block_words *w);
