@@ -246,6 +246,7 @@ vxs_result bake(const bake_options *o, const bake_observer *observer, bake_repor
     if (report->unchanged) goto done;
     stage_begin(&ctx, STAGE_PLAN);
     if ((r = plan_find_closed(report->plan, o, &s->casters, m)) != VXS_OK) goto done;
+    if (!o->prepared) scene_drop_triangles(&s->scene);
     stage_begin(&ctx, STAGE_NONE);
     if ((r = bake_file(o, &s->casters, &squares, &file, report, &ctx)) != VXS_OK) goto done;
 

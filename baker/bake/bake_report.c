@@ -21,7 +21,7 @@ vxs_result bake_report_begin(bake_report *report, const scene *s, const casters 
     report->casters      = *c;
     casters *counts      = &report->casters; /* without arrays, which belong to the casters */
     counts->positions_ws = NULL;
-    counts->indices = counts->component_of = NULL;
+    counts->indices = counts->component_of = counts->edge_mates = NULL;
     counts->kind_of = counts->solid_meets = NULL;
     counts->parts_of                      = NULL;
     counts->boxes                         = NULL;

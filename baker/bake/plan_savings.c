@@ -66,6 +66,7 @@ vxs_result plan_find_closed(bake_plan *plan, const bake_options *o, const caster
      * double_sided. */
     double *volumes     = calloc(casters_component_count(c) + 1, sizeof *volumes);
     closed              = *c;
+    closed.edge_mates   = NULL; /* triangles get other numbers */
     closed.indices      = malloc(3 * c->triangle_count * sizeof *closed.indices);
     closed.double_sided = malloc(c->triangle_count);
     int ok              = volumes && closed.indices && closed.double_sided;

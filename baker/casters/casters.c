@@ -19,13 +19,15 @@
 #include "baker/base/memory.h"
 #include "baker/base/pages.h"
 #include "baker/base/parallel.h"
+#include "baker/base/vec3.h"
 #include "baker/casters/casters_cgal.h"
 #include "baker/casters/mesh_edges.h"
 #include "baker/casters/mesh_split.h"
 
 #define NONE UINT32_MAX
 
-enum { EDGE_OPEN = 0x80 }; /* in addition to the scene's TRIANGLE_* */
+/* in addition to the scene's TRIANGLE_*; the corner that a triangle of the result starts at, and whether it is turned */
+enum { EDGE_OPEN = 0x80, STARTS_SHIFT = 4, STARTS = 3 << STARTS_SHIFT, TURNED = 0x40 };
 
 enum { GRAIN = 1 << 14 };
 
@@ -34,9 +36,8 @@ typedef struct component {
     part_span      parts;
     uint8_t        flags; /* OR of the flags of all its triangles */
     component_kind kind;
-    uint32_t       number;    /* component number in the result */
-    double         origin[3]; /* one of its corners: origin of the volume sum, so that large coordinates cancel */
-    double         volume;    /* signed: positive when it faces outward */
+    uint32_t       number; /* component number in the result */
+    double         volume; /* signed: positive when it faces outward. Summed around one of its corners: large coordinates cancel */
 } component;
 
 /* State between scene and result. Vertex numbers are those of welded vertices. */
@@ -46,10 +47,12 @@ typedef struct work {
     uint8_t  *flags;        /* [triangle_count] TRIANGLE_*, EDGE_OPEN */
     uint32_t *hole_of;      /* [triangle_count] index into holes, or NONE; NULL: the scene has no holes */
     uint32_t *component_of; /* [triangle_count] */
+    uint32_t *edge_mates;   /* [3 * triangle_count] as in casters; NULL: not wanted, or not valid any more */
 
     const holed_triangle *holes;     /* the scene's; own_holes after triangles with holes are split */
     holed_triangle       *own_holes; /* the scene's holes, followed by those of pieces */
 
+    int       has_unused; /* 1: no triangle uses some vertex */
     size_t    border_count, border_capacity;
     uint32_t *border; /* [border_count] open half-edges, grouped by edge; empty when not wanted */
 
@@ -112,14 +115,29 @@ typedef struct edges {
     int       open;   /* 1: some edge is open */
 } edges;
 
-/* Mark one triangle of each edge that is not used equally often in both directions. An edge of four or six faces may be balanced:
- * two boxes that touch along an edge are still two closed boxes. */
-static void mark_open_edge(void *user, uint32_t begin, uint32_t end)
+static void start_components(void *user, size_t begin, size_t end, uint32_t worker)
 {
-    edges *e = user;
-    if (!mesh_edge_balance(e->of->mesh.indices, e->sorted, begin, end)) return;
-    __atomic_fetch_or(&e->of->flags[e->sorted[begin] / 3], EDGE_OPEN, __ATOMIC_RELAXED);
-    __atomic_store_n(&e->open, 1, __ATOMIC_RELAXED);
+    work *w = user;
+    (void)worker;
+    for (size_t t = begin; t < end; t++) w->component_of[t] = (uint32_t)t;
+    if (w->edge_mates) memset(w->edge_mates + 3 * begin, 0xff, 3 * (end - begin) * sizeof *w->edge_mates);
+}
+
+/* Join the triangles of an edge. Mark one of them if the edge is not used equally often in both directions. An edge of four or six
+ * faces may be balanced: two boxes that touch along an edge are still two closed boxes. */
+static void take_edge(void *user, uint32_t begin, uint32_t end)
+{
+    edges          *e      = user;
+    work           *w      = e->of;
+    const uint32_t *sorted = e->sorted, first = sorted[begin];
+    for (uint32_t i = begin + 1; i < end; i++) mesh_join(w->component_of, first / 3, sorted[i] / 3);
+    if (mesh_edge_balance(w->mesh.indices, sorted, begin, end)) {
+        __atomic_fetch_or(&w->flags[first / 3], EDGE_OPEN, __ATOMIC_RELAXED);
+        __atomic_store_n(&e->open, 1, __ATOMIC_RELAXED);
+    } else if (end - begin == 2 && w->edge_mates) {
+        w->edge_mates[first]             = sorted[begin + 1];
+        w->edge_mates[sorted[begin + 1]] = first;
+    }
 }
 
 /* Store the half-edges of all open edges. Returns 0 without memory. */
@@ -136,60 +154,66 @@ static int gather_border(work *w, const uint32_t *sorted)
     return 1;
 }
 
-static vxs_result connect(work *w, int wants_border, run_context *m)
+static vxs_result connect(work *w, int for_maps, run_context *m)
 {
-    enum { EACH = 7 * sizeof(uint32_t), OF_VERTEX = sizeof(uint32_t) };
+    enum { EACH = 10 * sizeof(uint32_t), OF_VERTEX = sizeof(uint32_t) };
     const mesh_weld *mesh = &w->mesh;
     if (check_room(mesh->triangle_count, EACH, mesh->vertex_count, OF_VERTEX, m) != VXS_OK) return VXS_E_MEMORY;
     edges      e = {w, pages_alloc(3 * mesh->triangle_count * sizeof *e.sorted), 0};
     vxs_result r = VXS_E_MEMORY;
     if (e.sorted) r = mesh_sort_edges(e.sorted, mesh->indices, mesh->triangle_count, mesh->vertex_count, w->threads);
-    if (r == VXS_OK && !(w->component_of = pages_alloc(mesh->triangle_count * sizeof *w->component_of))) r = VXS_E_MEMORY;
+    w->component_of = pages_alloc(mesh->triangle_count * sizeof *w->component_of);
+    w->edge_mates   = for_maps ? pages_alloc(3 * mesh->triangle_count * sizeof *w->edge_mates) : NULL;
+    if (!w->component_of || (for_maps && !w->edge_mates)) r = VXS_E_MEMORY;
     if (r == VXS_OK) {
-        w->component_count = mesh_find_components(w->component_of, e.sorted, mesh->indices, mesh->triangle_count, w->threads);
-        mesh_for_each_edge(mesh->indices, e.sorted, mesh->triangle_count, w->threads, mark_open_edge, &e);
+        parallel_for(w->threads, mesh->triangle_count, GRAIN, start_components, w);
+        mesh_for_each_edge(mesh->indices, e.sorted, mesh->triangle_count, w->threads, take_edge, &e);
+        w->component_count = mesh_number_components(w->component_of, mesh->triangle_count, w->threads);
     }
-    if (r == VXS_OK && wants_border && e.open && !gather_border(w, e.sorted)) r = VXS_E_MEMORY;
+    if (r == VXS_OK && for_maps && e.open && !gather_border(w, e.sorted)) r = VXS_E_MEMORY;
     free(e.sorted);
     return r == VXS_OK ? r : out_of_memory(m, mesh->triangle_count);
 }
 
 /* --- measure ---------------------------------------------------------------------------------------------------------- */
 
+static void measure(component *c, box *around, const work *w, const uint32_t *members, uint32_t count)
+{
+    const double *positions = w->mesh.positions_ws, *origin = positions + 3 * (size_t)w->mesh.indices[3 * (size_t)members[0]];
+    double        volume = 0; /* of tetrahedra */
+    box           b      = box_empty();
+    unsigned      flags  = 0;
+    for (uint32_t n = 0; n < count; n++) {
+        const uint32_t *corners = w->mesh.indices + 3 * (size_t)members[n];
+        double          e[3][3];
+        for (int i = 0; i < 3; i++) {
+            const double *p = positions + 3 * (size_t)corners[i];
+            box_add(&b, p);
+            vec3_sub(p, origin, e[i]);
+        }
+        flags |= w->flags[members[n]];
+        volume += (e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) + e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
+                   e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0])) /
+                  6;
+    }
+    *c      = (component){.triangle_count = count, .flags = (uint8_t)flags, .volume = volume};
+    *around = b;
+}
+
 static void measure_some(void *user, size_t begin, size_t end, uint32_t worker)
 {
+    work *w = user;
     (void)worker;
-    for (size_t n = begin; n < end; n++) {
-        work      *w      = user;
-        component *c      = &w->components[n];
-        box        b      = box_empty();
-        c->triangle_count = w->first_of[n + 1] - w->first_of[n];
-        for (const uint32_t *t = w->members + w->first_of[n]; t < w->members + w->first_of[n + 1]; t++) {
-            const double *p[3];
-            for (int i = 0; i < 3; i++) {
-                p[i] = &w->mesh.positions_ws[3 * (size_t)w->mesh.indices[3 * (size_t)*t + (size_t)i]];
-                box_add(&b, p[i]);
-            }
-            if (t == w->members + w->first_of[n]) memcpy(c->origin, p[0], sizeof c->origin);
-            c->flags |= w->flags[*t];
-
-            double e[3][3];
-            for (int i = 0; i < 3; i++)
-                for (int axis = 0; axis < 3; axis++) e[i][axis] = p[i][axis] - c->origin[axis];
-            c->volume += (e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) + e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
-                          e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0])) /
-                         6; /* of a tetrahedron */
-        }
-        w->boxes[n] = b;
-    }
+    for (size_t n = begin; n < end; n++)
+        measure(&w->components[n], &w->boxes[n], w, w->members + w->first_of[n], w->first_of[n + 1] - w->first_of[n]);
 }
 
 static vxs_result measure_components(work *w, const scene *s, run_context *m)
 {
     size_t   triangles = w->mesh.triangle_count;
     uint32_t part      = 0;
-    w->components      = allocate(w->component_count, sizeof *w->components);
-    w->boxes           = allocate(w->component_count, sizeof *w->boxes);
+    w->components      = pages_alloc(w->component_count * sizeof *w->components);
+    w->boxes           = pages_alloc(w->component_count * sizeof *w->boxes);
     w->first_of        = pages_alloc((w->component_count + 1) * sizeof *w->first_of);
     w->members         = pages_alloc(triangles * sizeof *w->members);
     if (!w->components || !w->boxes || !w->first_of || !w->members ||
@@ -340,6 +364,11 @@ static vxs_result split_borders(work *w, casters *c, const scene *s, run_context
         warn(m, "%zu edges are left as they are, and may let light through where sheets meet: too many of them lie upon each other",
              split.left_count);
     if (split.parents && !spread(w, s, &split)) r = out_of_memory(m, s->triangle_count);
+    w->has_unused = split.joined_count != 0;
+    if (split.parents || split.joined_count) {
+        free(w->edge_mates);
+        w->edge_mates = NULL;
+    }
     mesh_split_free(&split);
     return r;
 }
@@ -355,33 +384,57 @@ static int has_holes(const work *w, size_t t)
 enum { GROUP_SOLIDS, GROUP_SHEETS, GROUP_MASKS };
 
 typedef struct emission {
-    casters     *c;
-    const work  *w;
-    const scene *s;
-    uint32_t    *order;      /* [triangle_count] triangle numbers of `work` in the order of the result */
-    uint32_t    *emitted_as; /* [vertex_count] number of a vertex in the result, or NONE */
+    casters  *c;
+    work     *w;
+    uint32_t *order; /* [triangle_count] triangle numbers of `work` in the order of the result; NULL: the same order */
+    uint32_t *place; /* [triangle_count] and back */
+
+    /* of `work`, or taken over by the result */
+    const uint32_t *indices, *component_of;
+    uint32_t       *emitted_as; /* [vertex_count] number of a vertex in the result, or NONE */
 } emission;
 
-/* Write triangles of the result; vertex numbers are still those of `work`. A triangle starts at its least corner, whatever corner
- * the file starts with: rasterizers interpolate from the first corner, and the same surface must give the same depths. */
+/* Write triangles of the result. A triangle starts at its least corner, whatever corner the file starts with: rasterizers interpolate
+ * from the first corner, and the same surface must give the same depths. */
 static void emit_triangles(void *user, size_t begin, size_t end, uint32_t worker)
 {
     const emission *e = user;
-    const work     *w = e->w;
+    work           *w = e->w;
     casters        *c = e->c;
     (void)worker;
     for (size_t at = begin; at < end; at++) {
-        uint32_t         t     = e->order[at];
-        const uint32_t  *from  = &w->mesh.indices[3 * (size_t)t];
-        const component *of    = &w->components[w->component_of[t]];
-        unsigned         first = mesh_least_corner(w->mesh.positions_ws, from);
-        int              turn  = of->kind == COMPONENT_SOLID && of->volume < 0; /* inside out: a solid only with --closed on */
+        size_t           t       = e->order ? e->order[at] : at;
+        const uint32_t   from[3] = {e->indices[3 * t], e->indices[3 * t + 1], e->indices[3 * t + 2]};
+        const component *of      = &w->components[e->component_of[t]];
+        unsigned         first   = mesh_least_corner(w->mesh.positions_ws, from);
+        int              turn    = of->kind == COMPONENT_SOLID && of->volume < 0; /* inside out: a solid only with --closed on */
         for (unsigned n = 0; n < 3; n++) c->indices[3 * at + n] = from[(first + (turn ? 3 - n : n)) % 3];
         c->component_of[at] = of->number;
+        w->flags[t]         = (uint8_t)(w->flags[t] | first << STARTS_SHIFT | (turn ? TURNED : 0));
+        if (e->place) e->place[t] = (uint32_t)at;
         if (c->double_sided) c->double_sided[at] = (w->flags[t] & TRIANGLE_DOUBLE_SIDED) != 0;
         for (unsigned n = 0; n < 3 && has_holes(w, t); n++)
             memcpy(&c->hole_uvs[6 * (at - c->holed_first) + 2 * n], w->holes[w->hole_of[t]].uv[(first + n) % 3],
                    2 * sizeof *c->hole_uvs);
+    }
+}
+
+/* Number of a half-edge of `work` in the result. Edge 0 of a turned triangle ends at its first corner in `work`, and so on. */
+static uint32_t emitted_edge(const emission *e, uint32_t h)
+{
+    uint32_t t = h / 3, i = h % 3, flags = e->w->flags[t], first = (flags & STARTS) >> STARTS_SHIFT;
+    return 3 * (e->place ? e->place[t] : t) + (flags & TURNED ? first + 5 - i : i + 3 - first) % 3;
+}
+
+static void emit_mates(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    const emission *e = user;
+    (void)worker;
+    for (size_t t = begin; t < end; t++) {
+        const uint32_t *mates    = e->w->edge_mates + 3 * t;
+        uint32_t        three[3] = {mates[0], mates[1], mates[2]};
+        for (uint32_t i = 0; i < 3; i++)
+            e->c->edge_mates[emitted_edge(e, 3 * (uint32_t)t + i)] = three[i] == NONE ? NONE : emitted_edge(e, three[i]);
     }
 }
 
@@ -401,22 +454,36 @@ static int any_double_sided(const work *w)
     return 0;
 }
 
-/* Allocate the result; casters_free releases it.
+/* Allocate the result; casters_free releases it. What stays in its order is taken over.
  * first  [GROUP_MASKS + alpha_mask_count + 1] first triangle of each group */
-static int make_room(casters *c, const work *w, const scene *s, const uint32_t *first)
+static int make_room(emission *e, const scene *s, const uint32_t *first)
 {
-    c->positions_ws     = pages_alloc(3 * w->mesh.vertex_count * sizeof *c->positions_ws);
-    c->indices          = pages_alloc(3 * w->mesh.triangle_count * sizeof *c->indices);
-    c->component_of     = pages_alloc(w->mesh.triangle_count * sizeof *c->component_of);
-    c->double_sided     = any_double_sided(w) ? malloc(w->mesh.triangle_count) : NULL;
+    casters *c      = e->c;
+    work    *w      = e->w;
+    size_t   count  = w->mesh.triangle_count;
+    e->indices      = w->mesh.indices;
+    e->component_of = w->component_of;
+    if (e->order) {
+        c->indices      = pages_alloc(3 * count * sizeof *c->indices);
+        c->component_of = pages_alloc(count * sizeof *c->component_of);
+        c->edge_mates   = w->edge_mates ? pages_alloc(3 * count * sizeof *c->edge_mates) : NULL;
+        e->place        = w->edge_mates ? pages_alloc(count * sizeof *e->place) : NULL;
+        if (w->edge_mates && (!c->edge_mates || !e->place)) return 0;
+    } else {
+        c->indices      = w->mesh.indices;
+        c->component_of = w->component_of;
+        c->edge_mates   = w->edge_mates;
+        w->mesh.indices = w->component_of = NULL;
+    }
+    c->double_sided     = any_double_sided(w) ? malloc(count) : NULL;
     c->kind_of          = malloc(w->component_count * sizeof *c->kind_of);
     c->parts_of         = malloc(w->component_count * sizeof *c->parts_of);
     c->boxes            = malloc(w->component_count * sizeof *c->boxes);
     c->alpha_masks      = allocate(s->alpha_mask_count, sizeof *c->alpha_masks);
     c->alpha_mask_first = allocate(s->alpha_mask_count + 1, sizeof *c->alpha_mask_first);
-    c->hole_uvs         = allocate(w->mesh.triangle_count - first[GROUP_MASKS], 6 * sizeof *c->hole_uvs);
-    if (!c->positions_ws || !c->indices || !c->component_of || !c->kind_of || !c->parts_of || !c->boxes || !c->alpha_masks ||
-        !c->alpha_mask_first || !c->hole_uvs || (any_double_sided(w) && !c->double_sided))
+    c->hole_uvs         = allocate(count - first[GROUP_MASKS], 6 * sizeof *c->hole_uvs);
+    if (!c->indices || !c->component_of || !c->kind_of || !c->parts_of || !c->boxes || !c->alpha_masks || !c->alpha_mask_first ||
+        !c->hole_uvs || (any_double_sided(w) && !c->double_sided))
         return 0;
 
     c->solid_triangle_count = first[GROUP_SHEETS];
@@ -428,31 +495,37 @@ static int make_room(casters *c, const work *w, const scene *s, const uint32_t *
     return 1;
 }
 
-static vxs_result emit(casters *c, work *w, const scene *s, run_context *m)
+/* Find the order of the triangles in the result.
+ * first  [out] [groups + 1] */
+static vxs_result find_order(emission *e, uint32_t *first, size_t groups)
 {
-    enum { EACH = 6 * sizeof(uint32_t), OF_VERTEX = 3 * sizeof(double) + sizeof(uint32_t) };
-    vxs_result r     = VXS_E_MEMORY;
-    size_t     count = w->mesh.triangle_count, groups = GROUP_MASKS + s->alpha_mask_count;
-    if (check_room(count, EACH, w->mesh.vertex_count, OF_VERTEX, m) != VXS_OK) return r;
+    const work *w     = e->w;
+    size_t      count = w->mesh.triangle_count, solids = 0;
+    vxs_result  r = VXS_E_MEMORY;
+    for (size_t i = 0; i < w->component_count; i++) /* solids were not split */
+        solids += w->components[i].kind == COMPONENT_SOLID ? w->components[i].triangle_count : 0;
+    if (!w->hole_of && (!solids || solids == count)) { /* all are of one group */
+        for (size_t n = 0; n <= groups; n++) first[n] = n > (solids ? GROUP_SOLIDS : GROUP_SHEETS) ? (uint32_t)count : 0;
+        return VXS_OK;
+    }
     uint32_t *group = pages_alloc(count * sizeof *group);
-    uint32_t *first = malloc((groups + 1) * sizeof *first);
-    emission  e     = {c, w, s, pages_alloc(count * sizeof *e.order), pages_alloc(w->mesh.vertex_count * sizeof *e.emitted_as)};
-    if (!group || !first || !e.order || !e.emitted_as) goto done;
-    for (size_t t = 0; t < count; t++)
+    e->order        = pages_alloc(count * sizeof *e->order);
+    for (size_t t = 0; t < count && group; t++)
         group[t] = has_holes(w, t)                                             ? GROUP_MASKS + w->holes[w->hole_of[t]].mask
                    : w->components[w->component_of[t]].kind == COMPONENT_SOLID ? (uint32_t)GROUP_SOLIDS
                                                                                : (uint32_t)GROUP_SHEETS;
-    if ((r = group_by_key(first, e.order, group, count, groups, w->threads)) != VXS_OK) goto done;
-    if (!make_room(c, w, s, first)) {
-        r = VXS_E_MEMORY;
-        goto done;
-    }
+    if (group && e->order) r = group_by_key(first, e->order, group, count, groups, w->threads);
+    free(group);
+    return r;
+}
+
+/* Number the components in the result: solids first, otherwise in the order of first triangles. */
+static void number_components(casters *c, work *w)
+{
     for (size_t i = 0; i < w->component_count; i++) {
         c->component_count[w->components[i].kind]++;
         c->triangles_of_kind[w->components[i].kind] += w->components[i].triangle_count;
     }
-
-    /* Number the components in the result: solids first, otherwise in the order of first triangles. */
     size_t next_solid = 0, next_sheet = c->component_count[COMPONENT_SOLID];
     for (size_t i = 0; i < w->component_count; i++) {
         component *k           = &w->components[i];
@@ -461,22 +534,55 @@ static vxs_result emit(casters *c, work *w, const scene *s, run_context *m)
         c->parts_of[k->number] = k->parts;
         c->boxes[k->number]    = w->boxes[i];
     }
+}
 
-    c->triangle_count = count;
-    parallel_for(w->threads, count, GRAIN, emit_triangles, &e);
-
-    /* number vertices in the order of first use; vertices used only by collapsed triangles get no number */
-    memset(e.emitted_as, 0xff, w->mesh.vertex_count * sizeof *e.emitted_as);
-    for (uint32_t *v = c->indices; v < c->indices + 3 * count; v++) {
-        uint32_t *as = &e.emitted_as[*v];
+/* Give the result its vertices: all, or those that triangles use, in the order of first use. Returns 0 without memory. */
+static int take_vertices(emission *e)
+{
+    casters *c = e->c;
+    work    *w = e->w;
+    if (!w->has_unused) {
+        c->vertex_count      = w->mesh.vertex_count;
+        c->positions_ws      = w->mesh.positions_ws;
+        w->mesh.positions_ws = NULL;
+        return 1;
+    }
+    c->positions_ws = pages_alloc(3 * w->mesh.vertex_count * sizeof *c->positions_ws);
+    e->emitted_as   = pages_alloc(w->mesh.vertex_count * sizeof *e->emitted_as);
+    if (!c->positions_ws || !e->emitted_as) return 0;
+    memset(e->emitted_as, 0xff, w->mesh.vertex_count * sizeof *e->emitted_as);
+    for (uint32_t *v = c->indices; v < c->indices + 3 * c->triangle_count; v++) {
+        uint32_t *as = &e->emitted_as[*v];
         if (*as == NONE) *as = (uint32_t)c->vertex_count++;
         *v = *as;
     }
-    parallel_for(w->threads, w->mesh.vertex_count, GRAIN, emit_vertices, &e);
+    parallel_for(w->threads, w->mesh.vertex_count, GRAIN, emit_vertices, e);
+    return 1;
+}
+
+static vxs_result emit(casters *c, work *w, const scene *s, run_context *m)
+{
+    enum { EACH = 9 * sizeof(uint32_t) };
+    vxs_result r     = VXS_E_MEMORY;
+    size_t     count = w->mesh.triangle_count, groups = GROUP_MASKS + s->alpha_mask_count;
+    if (check_room(count, EACH, 0, 0, m) != VXS_OK) return r;
+    uint32_t *first = malloc((groups + 1) * sizeof *first);
+    emission  e     = {.c = c, .w = w};
+    if (!first || (r = find_order(&e, first, groups)) != VXS_OK) goto done;
+    if (!make_room(&e, s, first)) {
+        r = VXS_E_MEMORY;
+        goto done;
+    }
+    number_components(c, w);
+    c->triangle_count = count;
+    parallel_for(w->threads, count, GRAIN, emit_triangles, &e);
+    if (w->edge_mates) parallel_for(w->threads, count, GRAIN, emit_mates, &e);
+    if (!take_vertices(&e)) r = VXS_E_MEMORY;
 done:
-    free(group);
+    if (c->edge_mates == w->edge_mates) w->edge_mates = NULL; /* taken over */
     free(first);
     free(e.order);
+    free(e.place);
     free(e.emitted_as);
     return r == VXS_OK ? r : out_of_memory(m, count);
 }
@@ -500,7 +606,7 @@ vxs_result casters_none(const scene *s, run_context *m)
                 s->triangle_count);
 }
 
-static vxs_result sort_out(casters *c, const scene *s, closed_mode closed, int splits_borders, uint32_t threads, run_context *m)
+static vxs_result sort_out(casters *c, const scene *s, closed_mode closed, int for_maps, uint32_t threads, run_context *m)
 {
     vxs_result r;
     work       w = {.threads = threads};
@@ -513,11 +619,11 @@ static vxs_result sort_out(casters *c, const scene *s, closed_mode closed, int s
         r = casters_none(s, m);
         goto done;
     }
-    if ((r = connect(&w, splits_borders, m)) != VXS_OK) goto done;
+    if ((r = connect(&w, for_maps, m)) != VXS_OK) goto done;
     if ((r = measure_components(&w, s, m)) != VXS_OK) goto done;
     for (size_t i = 0; i < w.component_count; i++) w.components[i].kind = judge(&w.components[i], &w.boxes[i], closed);
     if ((r = closed == CLOSED_AUTO ? evict_occupied(&w, s, m) : VXS_OK) != VXS_OK) goto done;
-    if (splits_borders && (r = split_borders(&w, c, s, m)) != VXS_OK) goto done;
+    if (for_maps && (r = split_borders(&w, c, s, m)) != VXS_OK) goto done;
     r = emit(c, &w, s, m);
 done:
     if (r != VXS_OK) casters_free(c);
@@ -526,6 +632,7 @@ done:
     free(w.flags);
     free(w.hole_of);
     free(w.component_of);
+    free(w.edge_mates);
     free(w.own_holes);
     free(w.border);
     free(w.components);
@@ -552,6 +659,7 @@ void casters_free(casters *c)
     free(c->indices);
     free(c->double_sided);
     free(c->component_of);
+    free(c->edge_mates);
     free(c->kind_of);
     free(c->parts_of);
     free(c->boxes);

@@ -61,6 +61,10 @@ typedef struct casters {
 
     uint8_t *double_sided; /* [triangle_count] 1: double-sided material; NULL: none */
 
+    /* [3 * triangle_count] half-edges, 3 t + i from corner i of triangle t. Where an edge has just two, in opposite directions, each
+     * has the other one here; else UINT32_MAX. NULL: not known */
+    uint32_t *edge_mates;
+
     uint32_t *component_of; /* [triangle_count] component numbers: solids first, each kind in the order of first triangles */
     uint8_t  *kind_of;      /* [all components] component_kind */
 

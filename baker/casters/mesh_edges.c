@@ -93,34 +93,46 @@ static vxs_result find_alike(welder *d, size_t vertex_count, uint32_t threads)
     return r;
 }
 
-/* Vertices that no triangle uses are left out: they may be invalid and must not enlarge the bounds. */
+static int is_finite(const double p[3])
+{
+    return isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]);
+}
+
+static vxs_result not_finite(const double p[3], size_t triangle, run_context *m)
+{
+    return fail(m, VXS_E_SCENE, "triangle %zu: corner at (%g, %g, %g), expected finite coordinates", triangle, p[0], p[1], p[2]);
+}
+
+/* Vertices of collapsed triangles alone, and those that no triangle uses, are left out: they must not enlarge the bounds. The latter
+ * may be invalid. */
 static vxs_result weld_triangles(mesh_weld *w, const welder *d, const scene *s, run_context *m)
 {
     for (size_t t = 0; t < s->triangle_count; t++) {
-        uint32_t *corners = &w->indices[3 * w->triangle_count];
+        const uint32_t *corners = &s->indices[3 * t];
+        assert(corners[0] < s->vertex_count && corners[1] < s->vertex_count && corners[2] < s->vertex_count);
+        const uint32_t alike[3]  = {d->alike[corners[0]], d->alike[corners[1]], d->alike[corners[2]]};
+        int            collapses = alike[0] == alike[1] || alike[1] == alike[2] || alike[2] == alike[0];
         for (size_t i = 0; i < 3; i++) {
-            uint32_t v = s->indices[3 * t + i];
-            assert(v < s->vertex_count);
-            if (w->welded_of[v] == NONE) {
-                const double *p = &s->positions_ws[3 * (size_t)v];
-                if (!(isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2])))
-                    return fail(m, VXS_E_SCENE, "triangle %zu: corner at (%g, %g, %g), expected finite coordinates", t, p[0], p[1],
-                                p[2]);
-
-                /* Welded vertex of a corner; created at its first use. */
-                uint32_t *as = &d->welded_as[d->alike[v]];
-                if (*as == NONE) {
-                    *as = (uint32_t)w->vertex_count++;
-                    take_position(&w->positions_ws[3 * (size_t)*as], d->positions_ws, v);
-                }
-                w->welded_of[v] = *as;
+            uint32_t     *as = &d->welded_as[alike[i]];
+            const double *p  = &s->positions_ws[3 * (size_t)corners[i]];
+            if (*as == NONE && !is_finite(p)) return not_finite(p, t, m);
+            if (collapses) continue;
+            if (*as == NONE) {
+                *as = (uint32_t)w->vertex_count++;
+                take_position(&w->positions_ws[3 * (size_t)*as], d->positions_ws, corners[i]);
             }
-            corners[i] = w->welded_of[v];
+            w->indices[3 * w->triangle_count + i] = *as;
         }
-        if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) continue;
-        w->from[w->triangle_count++] = (uint32_t)t;
+        if (!collapses) w->from[w->triangle_count++] = (uint32_t)t;
     }
     return VXS_OK;
+}
+
+static void find_welded(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    welder *d = user;
+    (void)worker;
+    for (size_t v = begin; v < end; v++) d->alike[v] = d->welded_as[d->alike[v]];
 }
 
 vxs_result mesh_weld_scene(mesh_weld *w, const scene *s, uint32_t threads, run_context *m)
@@ -137,13 +149,15 @@ vxs_result mesh_weld_scene(mesh_weld *w, const scene *s, uint32_t threads, run_c
         w->positions_ws = pages_alloc((3 * s->vertex_count + 1) * sizeof *w->positions_ws);
         w->indices      = pages_alloc((3 * s->triangle_count + 3) * sizeof *w->indices);
         w->from         = pages_alloc((s->triangle_count + 1) * sizeof *w->from);
-        w->welded_of    = pages_alloc((s->vertex_count + 1) * sizeof *w->welded_of);
-        if (!w->positions_ws || !w->indices || !w->from || !w->welded_of) r = VXS_E_MEMORY;
+        if (!w->positions_ws || !w->indices || !w->from) r = VXS_E_MEMORY;
     }
     if (r == VXS_OK) {
         memset(d.welded_as, 0xff, s->vertex_count * sizeof *d.welded_as);
-        memset(w->welded_of, 0xff, s->vertex_count * sizeof *w->welded_of);
-        r = weld_triangles(w, &d, s, m);
+        if ((r = weld_triangles(w, &d, s, m)) == VXS_OK) {
+            parallel_for(threads, s->vertex_count, GRAIN, find_welded, &d);
+            w->welded_of = d.alike; /* reuses the memory */
+            d.alike      = NULL;
+        }
     } else {
         fail(m, r, "out of memory while welding %zu triangles", s->triangle_count);
     }
@@ -244,15 +258,25 @@ typedef struct edge_walk {
     void *user;
 } edge_walk;
 
+/* The lower and the higher vertex of a half-edge. */
+static uint64_t edge_key(const uint32_t *indices, uint32_t h)
+{
+    uint32_t a = indices[h], b = mesh_edge_end(indices, h);
+    return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
+}
+
 /* Visit the edges whose runs begin in [part_begin, part_end). */
 static void walk_edges(void *user, size_t part_begin, size_t part_end, uint32_t worker)
 {
     const edge_walk *w     = user;
     uint32_t         begin = (uint32_t)part_begin;
+    uint64_t         key = begin ? edge_key(w->indices, w->sorted[begin - 1]) : 0, next = key;
     (void)worker;
-    while (begin && begin < part_end && mesh_same_edge(w->indices, w->sorted[begin - 1], w->sorted[begin])) begin++;
+    while (begin && begin < part_end && (next = edge_key(w->indices, w->sorted[begin])) == key) begin++;
+    if (!begin) next = edge_key(w->indices, w->sorted[0]);
     for (uint32_t end; begin < part_end; begin = end) {
-        end = mesh_edge_run(w->indices, w->sorted, begin, w->edge_count);
+        key = next;
+        for (end = begin + 1; end < w->edge_count && (next = edge_key(w->indices, w->sorted[end])) == key;) end++;
         w->body(w->user, begin, end);
     }
 }
@@ -284,16 +308,22 @@ static void find_roots(void *user, size_t begin, size_t end, uint32_t worker)
     for (size_t t = begin; t < end; t++) mesh_settle(j->component_of, (uint32_t)t);
 }
 
-size_t mesh_find_components(uint32_t *component_of, const uint32_t *sorted, const uint32_t *indices, size_t triangle_count,
-                            uint32_t threads)
+size_t mesh_number_components(uint32_t *component_of, size_t triangle_count, uint32_t threads)
 {
-    joining j     = {component_of, sorted};
+    joining j     = {component_of, NULL};
     size_t  count = 0;
-    for (uint32_t t = 0; t < triangle_count; t++) component_of[t] = t;
-    mesh_for_each_edge(indices, sorted, triangle_count, threads, join_edge, &j);
     parallel_for(threads, triangle_count, GRAIN, find_roots, &j);
     /* a root is the first triangle of its component, so its number is known before its members need it */
     for (uint32_t t = 0; t < triangle_count; t++)
         component_of[t] = component_of[t] == t ? (uint32_t)count++ : component_of[component_of[t]];
     return count;
+}
+
+size_t mesh_find_components(uint32_t *component_of, const uint32_t *sorted, const uint32_t *indices, size_t triangle_count,
+                            uint32_t threads)
+{
+    joining j = {component_of, sorted};
+    for (uint32_t t = 0; t < triangle_count; t++) component_of[t] = t;
+    mesh_for_each_edge(indices, sorted, triangle_count, threads, join_edge, &j);
+    return mesh_number_components(component_of, triangle_count, threads);
 }

@@ -93,7 +93,7 @@ typedef struct mesh_weld {
     size_t    triangle_count;
     uint32_t *indices;   /* [3 * triangle_count] three different vertices per triangle, in the scene's order */
     uint32_t *from;      /* [triangle_count] triangle number in the scene, ascending */
-    uint32_t *welded_of; /* [the scene's vertex_count] welded vertex; UINT32_MAX: not used by any triangle */
+    uint32_t *welded_of; /* [the scene's vertex_count] welded vertex; UINT32_MAX: no triangle uses the position */
 } mesh_weld;
 
 /* Weld vertices at bit-equal positions, and drop triangles with two corners at one position.
@@ -180,6 +180,10 @@ void mesh_for_each_edge(const uint32_t *indices, const uint32_t *sorted, size_t 
  * Returns the number of components. */
 size_t mesh_find_components(uint32_t *component_of, const uint32_t *sorted, const uint32_t *indices, size_t triangle_count,
                             uint32_t threads);
+
+/* The same for triangles that are joined already (mesh_join).
+ * component_of  [triangle_count] in: a forest over the triangles; out: numbers */
+size_t mesh_number_components(uint32_t *component_of, size_t triangle_count, uint32_t threads);
 
 #ifdef __cplusplus
 }

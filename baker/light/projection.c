@@ -206,6 +206,7 @@ static int take_casters(projector *w)
     p->indices              = c->indices;
     p->meets                = c->solid_meets;
     p->double_sided         = c->double_sided;
+    p->edge_mates           = c->edge_mates;
     for (size_t mask = 0; mask <= c->alpha_mask_count; mask++)
         p->alpha_mask_first[mask] = c->alpha_mask_count ? c->alpha_mask_first[mask] : c->triangle_count;
 
@@ -249,6 +250,24 @@ static void keep_count(size_t *count, const uint8_t *kept, size_t *counted, size
     *count = *found;
 }
 
+/* Keep the mates of edges between kept triangles, under their new numbers. Without memory they are not known. */
+static void keep_mates(projection *p, const uint8_t *kept, size_t room)
+{
+    uint32_t *place = pages_alloc((p->triangle_count + 1) * sizeof *place), count = 0;
+    p->own_edge_mates = pages_alloc(3 * room * sizeof *p->own_edge_mates);
+    for (size_t t = 0; t < p->triangle_count && place; t++) {
+        place[t] = count;
+        count += kept[t];
+    }
+    for (size_t h = 0, to = 0; h < 3 * p->triangle_count && place && p->own_edge_mates; h++) {
+        uint32_t mate = p->edge_mates[h];
+        if (!kept[h / 3]) continue;
+        p->own_edge_mates[to++] = mate != NONE && kept[mate / 3] ? 3 * place[mate / 3] + mate % 3 : NONE;
+    }
+    p->edge_mates = place ? p->own_edge_mates : NULL;
+    free(place);
+}
+
 vxs_result projection_keep(projection *p, const uint8_t *kept)
 {
     size_t count = p->triangle_count, room = 1, counted = 0, found = 0;
@@ -257,6 +276,7 @@ vxs_result projection_keep(projection *p, const uint8_t *kept)
     if (!p->own_meets && p->meets) p->own_meets = malloc(room);
     if (!p->own_double_sided && p->double_sided) p->own_double_sided = malloc(room);
     if (!p->own_indices || (p->meets && !p->own_meets) || (p->double_sided && !p->own_double_sided)) return VXS_E_MEMORY;
+    if (p->edge_mates) keep_mates(p, kept, room);
     keep_items(p->own_indices, p->indices, 3 * sizeof *p->indices, kept, 0, count);
     if (p->meets) keep_items(p->own_meets, p->meets, 1, kept, 0, p->solid_triangle_count);
     if (p->double_sided) keep_items(p->own_double_sided, p->double_sided, 1, kept, 0, count);
@@ -280,6 +300,7 @@ void projection_free(projection *p)
     free(p->uvq);
     free(p->own_meets);
     free(p->own_double_sided);
+    free(p->own_edge_mates);
     *p = (projection){0};
 }
 

@@ -44,10 +44,12 @@ typedef struct projection {
         *alpha_mask_first; /* [casters->alpha_mask_count + 1] mask i applies to triangles [alpha_mask_first[i], alpha_mask_first[i +
                              1]) */
     hole_uvq (*uvq)[3];    /* [triangle_count - holed_first] for each corner */
-    const uint8_t *meets;  /* [solid_triangle_count] as the casters' solid_meets; NULL: all solids meet */
-    uint8_t       *own_meets;        /* owner of `meets`, or NULL */
-    const uint8_t *double_sided;     /* [triangle_count] as the casters' double_sided; NULL: none */
-    uint8_t       *own_double_sided; /* owner of `double_sided`, or NULL */
+    const uint32_t *edge_mates;       /* [3 * triangle_count] as the casters' edge_mates; NULL: not known */
+    uint32_t       *own_edge_mates;   /* owner of `edge_mates`, or NULL */
+    const uint8_t  *meets;            /* [solid_triangle_count] as the casters' solid_meets; NULL: all solids meet */
+    uint8_t        *own_meets;        /* owner of `meets`, or NULL */
+    const uint8_t  *double_sided;     /* [triangle_count] as the casters' double_sided; NULL: none */
+    uint8_t        *own_double_sided; /* owner of `double_sided`, or NULL */
 } projection;
 
 /* Project the casters into map `map` of a light (numbered as in vxs.h); the casters are borrowed. Triangles that cannot touch the

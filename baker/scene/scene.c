@@ -54,6 +54,17 @@ int alpha_mask_opaque(const alpha_mask *mask, const alpha_image *image, double u
     return (float)(alpha_mask_alpha(mask, image, u, v) / 255) >= mask->threshold;
 }
 
+void scene_drop_triangles(scene *s)
+{
+    free(s->triangle_flags);
+    free(s->indices);
+    free(s->positions_ws);
+    s->triangle_flags = NULL;
+    s->indices        = NULL;
+    s->positions_ws   = NULL;
+    s->triangle_count = s->vertex_count = 0;
+}
+
 void scene_free(scene *s)
 {
     for (size_t i = 0; i < s->light_count; i++) {
@@ -85,9 +96,7 @@ void scene_free(scene *s)
     free(s->views);
     free(s->smoke.list);
     free(s->smoke.albedos);
-    free(s->triangle_flags);
-    free(s->indices);
-    free(s->positions_ws);
+    scene_drop_triangles(s);
     free(s->name);
     memset(s, 0, sizeof *s);
 }

@@ -256,6 +256,9 @@ vxs_result scene_load_gltf_memory(scene *s, const void *bytes, size_t size_bytes
 
 void scene_free(scene *s);
 
+/* Release vertices and triangles, which take most of the memory. All else stays. */
+void scene_drop_triangles(scene *s);
+
 /* Part of a triangle. `part` is the part of an earlier triangle, 0 at first. */
 static inline uint32_t scene_part_at(const scene *s, uint32_t part, size_t triangle)
 {

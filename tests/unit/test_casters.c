@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "baker/casters/casters.h" /* before cmocka, whose fail() is a macro */
+#include "baker/casters/mesh_edges.h"
 #include "tests/unit/repeats.h"
 
 #include <cmocka.h>
@@ -208,8 +209,36 @@ static void check_invariants(const fixture *b)
     free(used);
 }
 
+/* Each half-edge has a mate if its edge has just one more, in the opposite direction. */
+static void check_mates(const casters *c)
+{
+    for (uint32_t h = 0; h < 3 * c->triangle_count; h++) {
+        uint32_t others = 0, mate = UINT32_MAX;
+        for (uint32_t g = 0; g < 3 * c->triangle_count; g++) {
+            if (g == h || !mesh_same_edge(c->indices, g, h)) continue;
+            others++;
+            mate = c->indices[g] == c->indices[h] ? UINT32_MAX : g;
+        }
+        assert_int_equal(c->edge_mates[h], others == 1 ? mate : UINT32_MAX);
+    }
+}
+
+/* The same with what maps need. Edges of split borders are not known. */
+static void check_for_maps(const fixture *b, closed_mode closed)
+{
+    run_context m = {0};
+    casters     c;
+    if (b->s.triangle_count > 600) return;
+    assert_int_equal(casters_for_maps(&c, &b->s, closed, 2, &m), VXS_OK);
+    assert_int_equal(!c.edge_mates, c.borders.added || c.borders.joined);
+    if (c.edge_mates) check_mates(&c);
+    casters_free(&c);
+    run_free(&m);
+}
+
 static void sort_out(fixture *b, closed_mode closed)
 {
+    check_for_maps(b, closed);
     casters_free(&b->c);
     assert_int_equal(casters_from_scene(&b->c, &b->s, closed, 2, &b->m), VXS_OK);
     check_invariants(b);

@@ -17,47 +17,80 @@ enum { ALL_ENDS = 7, PATCH_GRAIN = 1 << 14 };
 typedef struct finder {
     const projection *p;
     const int8_t     *facing;
-    uint32_t         *sorted; /* from mesh_sort_edges */
+    const uint32_t   *sorted; /* from mesh_sort_edges; NULL: not needed */
+    const uint32_t   *mates;  /* of p, or own_mates */
+    uint32_t         *own_mates;
     uint32_t         *patch_of;
     uint8_t          *ends;
-    uint8_t          *inner; /* [3 * p->triangle_count] 1: the half-edge is not on a border */
 } finder;
 
-static void join_edge(void *user, uint32_t begin, uint32_t end)
+static void find_mates(void *user, uint32_t begin, uint32_t end)
 {
     const finder *f = user;
-    if (end - begin != 2 || mesh_edge_balance(f->p->indices, f->sorted, begin, end)) return;
-    uint32_t a = f->sorted[begin], b = f->sorted[begin + 1], t = a / 3, other = b / 3;
-    if (!f->facing[t] || f->facing[t] != f->facing[other]) return;    /* solids and sheets share no edge */
-    if (t >= f->p->holed_first || other >= f->p->holed_first) return; /* triangles with holes cover nothing */
-    f->inner[a] = f->inner[b] = 1;
-    mesh_join(f->patch_of, t, other);
+    uint32_t      a = f->sorted[begin], b = f->sorted[end - 1];
+    if (end - begin != 2 || mesh_edge_balance(f->p->indices, f->sorted, begin, end)) {
+        for (uint32_t n = begin; n < end; n++) f->own_mates[f->sorted[n]] = UINT32_MAX;
+        return;
+    }
+    f->own_mates[a] = b;
+    f->own_mates[b] = a;
+}
+
+/* Returns VXS_OK or VXS_E_MEMORY. */
+static vxs_result sort_mates(finder *f, uint32_t threads)
+{
+    const projection *p      = f->p;
+    uint32_t         *sorted = pages_alloc((3 * p->triangle_count + 1) * sizeof *sorted);
+    vxs_result        r      = VXS_E_MEMORY;
+    f->sorted                = sorted;
+    f->own_mates             = pages_alloc((3 * p->triangle_count + 1) * sizeof *f->own_mates);
+    f->mates                 = f->own_mates;
+    if (sorted && f->own_mates) r = mesh_sort_edges(sorted, p->indices, p->triangle_count, p->vertex_count, threads);
+    if (r == VXS_OK) mesh_for_each_edge(p->indices, sorted, p->triangle_count, threads, find_mates, f);
+    free(sorted);
+    return r;
+}
+
+/* Solids and sheets share no edge, and triangles with holes cover nothing. */
+static int is_inner(const finder *f, size_t t, uint32_t mate)
+{
+    return mate != UINT32_MAX && f->facing[t] && f->facing[t] == f->facing[mate / 3] && t < f->p->holed_first &&
+           mate / 3 < f->p->holed_first;
+}
+
+static void join_triangles(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    const finder *f = user;
+    (void)worker;
+    for (size_t t = begin; t < end; t++) {
+        unsigned inner = 0;
+        for (size_t k = 0; k < 3; k++) {
+            uint32_t mate = f->mates[3 * t + k];
+            if (!is_inner(f, t, mate)) continue;
+            inner |= 1u << k;
+            if (mate / 3 < t) mesh_join(f->patch_of, (uint32_t)t, mate / 3);
+        }
+        f->ends[t] = (uint8_t)(ALL_ENDS & ~inner);
+    }
 }
 
 static void settle(void *user, size_t begin, size_t end, uint32_t worker)
 {
     const finder *f = user;
     (void)worker;
-    for (size_t t = begin; t < end; t++) {
-        const uint8_t *inner = f->inner + 3 * t;
-        f->ends[t]           = (uint8_t)(ALL_ENDS & ~(inner[0] | inner[1] << 1 | inner[2] << 2));
-        mesh_settle(f->patch_of, (uint32_t)t);
-    }
+    for (size_t t = begin; t < end; t++) mesh_settle(f->patch_of, (uint32_t)t);
 }
 
 vxs_result patches_find(uint32_t *patch_of, uint8_t *ends, const int8_t *facing, const projection *p, uint32_t threads)
 {
-    size_t     edge_count = 3 * p->triangle_count;
-    finder     f = {p, facing, pages_alloc((edge_count + 1) * sizeof *f.sorted), patch_of, ends, calloc(edge_count + 1, 1)};
-    vxs_result r = VXS_E_MEMORY;
-    if (f.sorted && f.inner) r = mesh_sort_edges(f.sorted, p->indices, p->triangle_count, p->vertex_count, threads);
+    finder     f = {.p = p, .facing = facing, .mates = p->edge_mates, .patch_of = patch_of, .ends = ends};
+    vxs_result r = f.mates ? VXS_OK : sort_mates(&f, threads);
     if (r == VXS_OK) {
         for (uint32_t t = 0; t < p->triangle_count; t++) patch_of[t] = t;
-        mesh_for_each_edge(p->indices, f.sorted, p->triangle_count, threads, join_edge, &f);
+        parallel_for(threads, p->triangle_count, PATCH_GRAIN, join_triangles, &f);
         parallel_for(threads, p->triangle_count, PATCH_GRAIN, settle, &f);
     }
-    free(f.sorted);
-    free(f.inner);
+    free(f.own_mates);
     return r;
 }
 
@@ -81,7 +114,9 @@ typedef struct maker {
 
 static int32_t snapped(const maker *w, double texels)
 {
-    return (int32_t)floor(texels * w->px + 0.5);
+    double  at    = texels * w->px + 0.5; /* floor() and fmax() would be calls */
+    int32_t whole = (int32_t)at;
+    return whole - (at < whole);
 }
 
 static corner corner_of(const maker *w, size_t triangle, int k)
@@ -118,8 +153,8 @@ static void set_plane(sparse_triangle *t, const corner c[3], double extent)
     t->gx        = (z1 * y2 - z2 * y1) / area;
     t->gy        = (z2 * x1 - z1 * x2) / area;
     t->zmin      = c[0].z;
-    t->zmax      = fmax(c[1].z, c[2].z);
-    t->slack     = ldexp(terms / area * extent + fmax(fabs(t->zmin), fabs(t->zmax)), -49);
+    t->zmax      = c[1].z > c[2].z ? c[1].z : c[2].z;
+    t->slack     = 0x1p-49 * (terms / area * extent + (fabs(t->zmin) > fabs(t->zmax) ? fabs(t->zmin) : fabs(t->zmax)));
 }
 
 static void make_triangles(void *user, size_t begin, size_t end, uint32_t worker)
