@@ -25,7 +25,8 @@
 #   make fuzz-minimise  leave out inputs that no fuzzer needs for its coverage; those that once showed a fault stay
 #   make fuzz-commands  random command lines over files of all kinds, for seconds=60; config=asan finds more, seed=2 tries others
 #   make bench          measure; a table to read, and JSON to $(BENCH_JSON)
-#   make bench-large    measure maps of up to 262144 texels a side, straight from triangles: five minutes; JSON to build/large.json
+#   make bench-large    measure maps of up to 262144 texels a side, straight from triangles: six minutes; JSON to build/large.json;
+#                       against=VXS: beside another build of the command
 #   make bench-lights   measure frames lit by 165 spot lights; JSON to build/lights.json (tests/bench/lights.py: gl=egl for a graphics card)
 #   make check-drivers  unit programs that draw, with other OpenGL drivers: llvmpipe by EGL, zink, softpipe; driver=zink: one
 #   make bench-gpu      measure lookups, lists of lights and fog beside rivals: some minutes; VXS_GL=egl size=1920x1080 for a graphics card; JSON to
@@ -442,7 +443,7 @@ bench-flight: $B/vxs $B/tests/bench/flight
 	    for threads in 0 1; do $B/tests/bench/flight build/flight.vxs --speed 50 --threads $$threads \
 	        --json build/flight_$${px}_$${pack}_$$threads.json || exit 1; done; done; done
 bench-large: $B/vxs $B/tests/bench/two_maps
-	@$(python) tests/bench/large.py --build $B --json build/large.json
+	@$(python) tests/bench/large.py --build $B --json build/large.json $(if $(against),--against $(against))
 
 gpu.benches := $(patsubst %,$B/tests/bench/%,gpu area smoke)
 bench-gpu: $B/vxs $(gpu.benches)

@@ -84,13 +84,15 @@ def test_plots(vxs, tmp_path):
     assert {"pages", "tops", "KiB"} <= set(words["bytes-city"].split())
 
 
-def test_large_maps(measure, tmp_path):
-    printed = measure("large.py", "--json", tmp_path / "large.json", LARGE_ROWS="small:512 sponza small:1024", LARGE_RUNS="1")
+def test_large_maps(measure, vxs_path, tmp_path):
+    printed = measure("large.py", "--json", tmp_path / "large.json", "--against", vxs_path, LARGE_ROWS="small:512 sponza small:1024", LARGE_RUNS="1")
     result = json.loads((tmp_path / "large.json").read_text())
     schema("large").validate(result)
     first, second = result["rows"]
     assert [(r["scene"], r["resolution_px"]) for r in result["rows"]] == [("small", 512), ("small", 1024)] and result["runs"] == 1
-    (row, stages) = rows(printed, "small", "1024")
+    row, other, stages = rows(printed, "small", "1024")
+    assert all(r["against"]["file_bytes"] == r["file_bytes"] for r in result["rows"]), "the same build"
+    assert float(other[4]) == pytest.approx(second["against"]["seconds_ratio"], abs=0.006) and other[7] == "1.000"
     assert row[4] == f"{second['seconds']['median'] / second['two_maps_seconds']:.3f}"
     assert row[8] == f"{second['file_bytes'] / first['file_bytes']:.2f}" and rows(printed, "small", "512")[0][8] == ""
     assert stages[-1] == f"{second['processor_seconds'] / 2:.3g} s"
