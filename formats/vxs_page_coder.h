@@ -191,10 +191,14 @@ static void code_part(coder *c, uint32_t from, uint32_t size)
 #else
 
 typedef struct coder {
-    uint32_t       now, next; /* states of the next symbol and of the one after it */
+    /* now, next: states of the next symbol and of the one after it. They do not lie side by side: compilers would store both as one
+     * vector, and the next symbol would wait for it */
+    uint32_t       now;
     /* in: next word; end: where the two states are stored, so that one word beyond the last can be read safely. If too many words
      * are taken, `in` stays beyond `end` */
-    const uint8_t *in, *end;
+    const uint8_t *in;
+    uint32_t       next;
+    const uint8_t *end;
 } coder;
 
 /* Consume the symbol whose odds are from..from + size - 1. Whether a word is read is unpredictable, so there is no branch on

@@ -18,7 +18,7 @@ vxs_result vxs_page_decode(uint32_t *words, const uint8_t *bytes, size_t size_by
 {
     if (size_bytes < 4 + 8 || size_bytes % 2) return VXS_E_TRUNCATED;
     const uint8_t *end = bytes + size_bytes - 8;
-    walk           w   = {.c          = {vxs_load32(end), vxs_load32(end + 4), bytes + 4, end},
+    walk           w   = {.c          = {.now = vxs_load32(end), .next = vxs_load32(end + 4), .in = bytes + 4, .end = end},
                           .odds       = &scratch->odds,
                           .s          = scratch,
                           .words      = words,
@@ -51,20 +51,21 @@ vxs_result vxs_resident_decode(vxs_resident *out, uint32_t levels, uint32_t map_
     if (size_bytes < RESIDENT_HEAD_BYTES + 8 || size_bytes % 2) return VXS_E_TRUNCATED;
     const uint8_t *end = bytes + size_bytes - 8;
     top_odds       odds;
-    resident_walk  r = {.w             = {.c          = {vxs_load32(end), vxs_load32(end + 4), bytes + RESIDENT_HEAD_BYTES, end},
-                                          .odds       = &scratch->odds,
-                                          .s          = scratch,
-                                          .words      = out->words,
-                                          .word_count = sizes.word_count},
-                        .odds          = &odds,
-                        .levels        = levels,
-                        .map_count     = map_count,
-                        .page_count    = sizes.page_count,
-                        .node_count    = sizes.node_count,
-                        .nodes         = out->nodes,
-                        .page_first    = out->page_first,
-                        .patterns      = out->patterns,
-                        .pattern_count = sizes.pattern_count};
+    resident_walk  r = {
+         .w          = {.c          = {.now = vxs_load32(end), .next = vxs_load32(end + 4), .in = bytes + RESIDENT_HEAD_BYTES, .end = end},
+                        .odds       = &scratch->odds,
+                        .s          = scratch,
+                        .words      = out->words,
+                        .word_count = sizes.word_count},
+         .odds       = &odds,
+         .levels     = levels,
+         .map_count  = map_count,
+         .page_count = sizes.page_count,
+         .node_count = sizes.node_count,
+         .nodes      = out->nodes,
+         .page_first = out->page_first,
+         .patterns   = out->patterns,
+         .pattern_count = sizes.pattern_count};
     memset(out->words, 0, sizes.word_count * sizeof *out->words);
     if (!code_resident(&r, NULL)) return VXS_E_CORRUPT;
     if (r.w.c.in != end || r.w.c.now != STATE_LEAST || r.w.c.next != STATE_LEAST) return VXS_E_CORRUPT;

@@ -205,16 +205,19 @@ PAGE_INLINE uint32_t bytes_set(uint64_t x)
 }
 
 /* Index of a texel that differs from N, the one above it; W is on its left, NE on the right of N. There are no branches on
- * indices, because they are unpredictable. */
+ * indices, because they are unpredictable. W may be the texel coded last, so whatever depends on it is short. */
 PAGE_INLINE uint32_t code_other(coder *c, nibble_odds odds[5][3], nibble_odds *far, uint32_t depths, uint32_t value, uint32_t W,
                                 uint32_t N, uint32_t NE)
 {
-    uint32_t end = (uint32_t)(N != 0) + (uint32_t)(N != 0 && N + 1 == depths), symbol = 0;
+    uint32_t some = (uint32_t)(N != 0), end = some + (some & (uint32_t)(N + 1 == depths)), flat = (uint32_t)(N == NE), symbol = 0;
     if (PAGE_ENCODING) {
         uint32_t step = value > N ? 2 * (value - N) : 1 + 2 * (N - value);
         symbol        = value == W ? 0 : value == NE ? 1 : step < 15 ? step : 15;
     }
-    symbol = code_nibble_here(c, &odds[likeness(W, NE, N)][end], symbol);
+    nibble_odds *by = odds[4 - 2 * flat] + end, *as_NE = odds[3] + end, *as_N = odds[1 - flat] + end;
+    by     = W == NE ? as_NE : by;
+    by     = W == N ? as_N : by;
+    symbol = code_nibble_here(c, by, symbol);
     if (symbol == 15) return code_nibble_here(c, far, value);
     uint32_t odd = 0 - (symbol & 1), step = N + ((symbol >> 1) ^ odd) - odd, beside = W ^ ((W ^ NE) & odd);
     return step ^ ((step ^ beside) & (0 - (uint32_t)(symbol < 2)));
@@ -242,6 +245,7 @@ static int code_indices(walk *w, const uint8_t *border, const uint8_t *left, uin
                  was = bytes_set(last ^ before), side = left[y] != corner;
         nibble_odds *by     = odds->differs[depths > 2][y != 0];
         uint8_t     *texels = index + 32 * (y >> 2) + 4 * (y & 3);
+        uint64_t     after  = last >> 8 | (uint64_t)right << 56; /* of each texel above, the one on its right */
         uint64_t     now = last, value = PAGE_ENCODING ? vxs_load32(texels) | (uint64_t)vxs_load32(texels + 16) << 32 : 0;
         uint32_t     differs = PAGE_ENCODING ? bytes_set(last ^ value) : 0;
         differs              = code_two_nibbles(&c, by + ((beside & 31) | side << 5 | (uint32_t)((was & 15) != 0) << 6),
@@ -249,12 +253,14 @@ static int code_indices(walk *w, const uint8_t *border, const uint8_t *left, uin
         if (depths == 2)
             now ^= bytes_of_bits(differs);
         else
-            for (; differs; differs &= differs - 1) {
-                uint32_t x = page_first_bit(differs), at = 8 * x, N = last >> at & 255;
-                uint32_t W = x ? now >> (at - 8) & 255 : left[y], NE = x < 7 ? last >> (at + 8) & 255 : right;
-                uint32_t got = code_other(&c, other, far, depths, value >> at & 255, W, N, NE);
+            for (uint32_t got = left[y], next = 0; differs; differs &= differs - 1) {
+                uint32_t x = page_first_bit(differs), at = 8 * x, N = last >> at & 255, NE = after >> at & 255;
+                uint32_t W = (last << 8) >> at & 255;
+                W          = x == next ? got : W;
+                got        = code_other(&c, other, far, depths, value >> at & 255, W, N, NE);
                 if (got >= depths) return 0;
                 now ^= (uint64_t)(N ^ got) << at;
+                next = x + 1;
             }
         vxs_store32(texels, (uint32_t)now);
         vxs_store32(texels + 16, (uint32_t)(now >> 32));

@@ -199,9 +199,8 @@ static int code_uniform_tile(walk *w, block *b, uint32_t t, uint32_t x0, uint32_
     uint32_t index = 0;
     if (b->entries > 1) {
         uint32_t in = (1u << b->entries) - 1, none = 16;
-        uint32_t left = equal_depths(b->depth, w->left[y0]) & in, above = equal_depths(b->depth, w->above[8 + x0]) & in;
-        left  = left ? page_first_bit(left) : none;
-        above = above ? page_first_bit(above) : none;
+        uint32_t left  = page_first_bit((equal_depths(b->depth, w->left[y0]) & in) | 1 << none);
+        uint32_t above = page_first_bit((equal_depths(b->depth, w->above[8 + x0]) & in) | 1 << none);
         if (PAGE_ENCODING) {
             uint32_t shape = source_word(w, b->from), mixed = count_bits(shape & 0xffff),
                      nth  = count_bits(shape >> 16 & ((2u << t) - 1)) - 1;

@@ -197,7 +197,7 @@ static void words_that_are_not_there_are_missed(void **state)
 {
     (void)state;
     const uint8_t states[8] = {0};
-    coder         c         = {STATE_LEAST, STATE_LEAST, states, states};
+    coder         c         = {.now = STATE_LEAST, .next = STATE_LEAST, .in = states, .end = states};
     for (int n = 0; n < 40; n++) {
         code_plain(&c, 12, 0);
         assert_true(c.in > c.end && c.in + 2 <= states + sizeof states);
