@@ -114,36 +114,41 @@ typedef struct page_odds {
     number_odds far_plane;
 } page_odds;
 
+/* Weights of two bits, which are 1 with odds of so many in 256.   high  of the second bit, if the first one is 0 or 1 */
+PAGE_INLINE void start_two(uint32_t weight[4], uint32_t low, const uint32_t high[2])
+{
+    for (uint32_t n = 0; n < 4; n++) weight[n] = (n & 1 ? low : 256 - low) * (n & 2 ? high[n & 1] : 256 - high[n & 1]);
+}
+
+/* Start odds of a nibble from weights of its low two bits, and of its high two bits after a second bit of 0 or 1. */
+PAGE_INLINE void start_four(nibble_odds *odds, const uint32_t low[4], uint32_t high[2][4])
+{
+    uint32_t weight[16];
+    for (uint32_t n = 0; n < 16; n++) weight[n] = low[n & 3] * high[n >> 1 & 1][n >> 2];
+    nibble_start(odds, weight, 5);
+}
+
 /* Start odds of a nibble with independent bits: bit n is 1 with odds chance[(states >> n & 1) + 2 * (states >> (n + 4) & 1)]
  * of 256. */
 static void start_mask(nibble_odds *odds, uint32_t states, const uint8_t chance[4], uint32_t bits)
 {
-    uint32_t weight[16];
-    for (uint32_t mask = 0; mask < 16; mask++) {
-        weight[mask] = 1;
-        for (uint32_t n = 0; n < 4; n++) {
-            uint32_t one = n < bits ? chance[(states >> n & 1) + 2 * (states >> (n + 4) & 1)] : 0;
-            weight[mask] *= mask >> n & 1 ? one : 256 - one;
-        }
-    }
-    nibble_start(odds, weight, 5);
+    uint32_t one[4], low[4], high[2][4];
+    for (uint32_t n = 0; n < 4; n++) one[n] = n < bits ? chance[(states >> n & 1) + 2 * (states >> (n + 4) & 1)] : 0;
+    start_two(low, one[0], (uint32_t[]){one[1], one[1]});
+    start_two(high[0], one[2], (uint32_t[]){one[3], one[3]});
+    memcpy(high[1], high[0], sizeof high[0]);
+    start_four(odds, low, high);
 }
 
 /* Start odds of which of four texels differ from those above. Bits 0..4 of k: texels above differ from those on their left.
  * Bit 5: the texel on the left of the four differs from the one above it. */
 static void start_differs(nibble_odds *odds, uint32_t k)
 {
-    uint32_t weight[16];
-    for (uint32_t mask = 0; mask < 16; mask++) {
-        uint32_t left = k >> 5 & 1;
-        weight[mask]  = 1;
-        for (uint32_t n = 0; n < 4; n++) {
-            uint32_t one = left ? 128 : k >> n & 3 ? 77 : 10;
-            left         = mask >> n & 1;
-            weight[mask] *= left ? one : 256 - one;
-        }
-    }
-    nibble_start(odds, weight, 5);
+    uint32_t one[4][2], low[4], high[2][4]; /* one: of each bit, after a bit of 0 or 1 */
+    for (uint32_t n = 0; n < 4; n++) one[n][0] = k >> n & 3 ? 77 : 10, one[n][1] = 128;
+    start_two(low, one[0][k >> 5 & 1], one[1]);
+    for (uint32_t n = 0; n < 2; n++) start_two(high[n], one[2][n], one[3]);
+    start_four(odds, low, high);
 }
 
 static void start_odds(page_odds *odds)
@@ -154,7 +159,10 @@ static void start_odds(page_odds *odds)
     nibble_start((nibble_odds *)odds, even, 0);
     for (size_t n = 1; n < sizeof *odds / sizeof(nibble_odds); n++) ((nibble_odds *)odds)[n] = *(nibble_odds *)odds;
     for (uint32_t k = 0; k < 64; k++) {
-        start_mask(&odds->node_mixed[k], k & 15, mixed, 4);
+        if (k < 16)
+            start_mask(&odds->node_mixed[k], k, mixed, 4);
+        else
+            odds->node_mixed[k] = odds->node_mixed[k & 15];
         for (uint32_t q = 0; q < 5; q++) odds->block_mixed[q][k] = odds->node_mixed[k];
     }
     for (uint32_t left = 0; left < 4; left++) {
@@ -165,8 +173,12 @@ static void start_odds(page_odds *odds)
             else
                 start_mask(&odds->used[left][k], k, used, bits);
     }
-    for (uint32_t kind = 0; kind < 4; kind++)
-        for (uint32_t k = 0; k < 128; k++) start_differs(&odds->differs[kind >> 1][kind & 1][k], k);
+    for (uint32_t k = 0; k < 64; k++) {
+        start_differs(&odds->differs[0][0][k], k);
+        odds->differs[0][0][k + 64] = odds->differs[0][0][k];
+    }
+    for (uint32_t kind = 1; kind < 4; kind++)
+        memcpy(odds->differs[kind >> 1][kind & 1], odds->differs[0][0], sizeof odds->differs[0][0]);
 }
 
 #endif
