@@ -13,16 +13,17 @@
 #include "baker/base/pages.h"
 #include "baker/base/parallel.h"
 
-enum { CHUNKS = 64, RANGES = 256 };
+enum { CHUNKS_MAX = 64, CHUNK_LEAST = 4096, RANGES_MAX = 256 };
 
 typedef struct grouper {
     uint32_t       *first, *members;
     const uint32_t *key_of;
     size_t          count, key_count;
+    size_t          chunks, ranges;
     uint32_t        shift;  /* a range has 1 << shift keys */
     uint32_t       *ranged; /* [count] items grouped by range */
-    uint32_t        range_first[RANGES + 1];
-    uint32_t        place[CHUNKS][RANGES]; /* number of items of a chunk in a range; later, where they go */
+    uint32_t        range_first[RANGES_MAX + 1];
+    uint32_t        place[CHUNKS_MAX][RANGES_MAX]; /* number of items of a chunk in a range; later, where they go */
 } grouper;
 
 static void count_chunks(void *user, size_t begin, size_t end, uint32_t worker)
@@ -30,22 +31,22 @@ static void count_chunks(void *user, size_t begin, size_t end, uint32_t worker)
     grouper *g = user;
     (void)worker;
     for (size_t chunk = begin; chunk < end; chunk++)
-        for (size_t n = g->count * chunk / CHUNKS; n < g->count * (chunk + 1) / CHUNKS; n++)
+        for (size_t n = g->count * chunk / g->chunks; n < g->count * (chunk + 1) / g->chunks; n++)
             g->place[chunk][g->key_of[n] >> g->shift]++;
 }
 
 static void counts_to_places(grouper *g)
 {
     uint32_t place = 0;
-    for (size_t range = 0; range < RANGES; range++) {
+    for (size_t range = 0; range < g->ranges; range++) {
         g->range_first[range] = place;
-        for (size_t chunk = 0; chunk < CHUNKS; chunk++) {
+        for (size_t chunk = 0; chunk < g->chunks; chunk++) {
             uint32_t count         = g->place[chunk][range];
             g->place[chunk][range] = place;
             place += count;
         }
     }
-    g->range_first[RANGES] = place;
+    g->range_first[g->ranges] = place;
 }
 
 static void place_chunks(void *user, size_t begin, size_t end, uint32_t worker)
@@ -53,7 +54,7 @@ static void place_chunks(void *user, size_t begin, size_t end, uint32_t worker)
     grouper *g = user;
     (void)worker;
     for (size_t chunk = begin; chunk < end; chunk++)
-        for (size_t n = g->count * chunk / CHUNKS; n < g->count * (chunk + 1) / CHUNKS; n++)
+        for (size_t n = g->count * chunk / g->chunks; n < g->count * (chunk + 1) / g->chunks; n++)
             g->ranged[g->place[chunk][g->key_of[n] >> g->shift]++] = (uint32_t)n;
 }
 
@@ -80,17 +81,19 @@ static void place_ranges(void *user, size_t begin, size_t end, uint32_t worker)
 vxs_result group_by_key(uint32_t *first, uint32_t *members, const uint32_t *key_of, size_t count, size_t key_count,
                         uint32_t threads)
 {
-    grouper  *g      = calloc(1, sizeof *g);
+    grouper  *g      = malloc(sizeof *g);
     uint32_t *ranged = pages_alloc((count + 1) * sizeof *ranged);
     int       ok     = g && ranged;
     if (ok) {
         *g = (grouper){
             .first = first, .members = members, .key_of = key_of, .count = count, .key_count = key_count, .ranged = ranged};
-        while (key_count > (size_t)RANGES << g->shift) g->shift++;
-        parallel_for(threads, CHUNKS, 1, count_chunks, g);
+        while (key_count > (size_t)RANGES_MAX << g->shift) g->shift++;
+        g->chunks = 1 + count / CHUNK_LEAST < CHUNKS_MAX ? 1 + count / CHUNK_LEAST : CHUNKS_MAX;
+        g->ranges = key_count ? ((key_count - 1) >> g->shift) + 1 : 0;
+        parallel_for(threads, g->chunks, 1, count_chunks, g);
         counts_to_places(g);
-        parallel_for(threads, CHUNKS, 1, place_chunks, g);
-        parallel_for(threads, RANGES, 1, place_ranges, g);
+        parallel_for(threads, g->chunks, 1, place_chunks, g);
+        parallel_for(threads, g->ranges, 1, place_ranges, g);
         memmove(first + 1, first, key_count * sizeof *first);
         first[0] = 0;
     }

@@ -279,7 +279,7 @@ void sparse_triangles_free(sparse_triangles *s)
 }
 
 enum {
-    CHUNKS         = 64, /* chunks of triangles, counted and placed separately, so that bins do not depend on the number of
+    CHUNKS_MAX     = 64, /* chunks of triangles, counted and placed separately, so that bins do not depend on the number of
                             threads */
     IDS_A_TRIANGLE = 8,  /* on average, at most */
     LEAST_CELL_PX  = 256,
@@ -289,7 +289,8 @@ typedef struct binner {
     triangle_bins          *b;
     const sparse_triangles *s;
     uint32_t                cell_log2; /* subtexels of a cell */
-    size_t                 *place;     /* [CHUNKS * cells^2] number of ids of a chunk in a cell, then their position */
+    size_t                  chunks;
+    size_t                 *place; /* [chunks * cells^2] number of ids of a chunk in a cell, then their position */
 } binner;
 
 typedef struct cell_range {
@@ -306,7 +307,7 @@ static void walk_chunk(binner *w, size_t chunk, int place)
     triangle_bins *b     = w->b;
     size_t         count = (size_t)b->cells * b->cells, *at = w->place + chunk * count;
     cell_range     r;
-    for (size_t n = w->s->count * chunk / CHUNKS; n < w->s->count * (chunk + 1) / CHUNKS; n++) {
+    for (size_t n = w->s->count * chunk / w->chunks; n < w->s->count * (chunk + 1) / w->chunks; n++) {
         const sparse_triangle *t  = &w->s->all[n];
         int32_t                x0 = min_i32(min_i32(t->x[0], t->x[1]), t->x[2]), x1 = max_i32(max_i32(t->x[0], t->x[1]), t->x[2]);
         int32_t                y0 = min_i32(min_i32(t->y[0], t->y[1]), t->y[2]), y1 = max_i32(max_i32(t->y[0], t->y[1]), t->y[2]);
@@ -340,7 +341,7 @@ static size_t counts_to_places(binner *w)
     size_t cells = (size_t)w->b->cells * w->b->cells, sum = 0;
     for (size_t cell = 0; cell < cells; cell++) {
         w->b->first[cell] = sum;
-        for (size_t chunk = 0; chunk < CHUNKS; chunk++) {
+        for (size_t chunk = 0; chunk < w->chunks; chunk++) {
             size_t *at = &w->place[chunk * cells + cell], count = *at;
             *at = sum;
             sum += count;
@@ -358,21 +359,21 @@ static vxs_result bin(binner *w, uint32_t side_px, uint32_t threads)
         w->cell_log2 = log2_u32(b->cell_px) + w->s->grid;
         free(w->place);
         free(b->first);
-        w->place = calloc(CHUNKS * cells, sizeof *w->place);
+        w->place = calloc(w->chunks * cells, sizeof *w->place);
         b->first = malloc((cells + 1) * sizeof *b->first);
         if (!w->place || !b->first) return VXS_E_MEMORY;
-        parallel_for(threads, CHUNKS, 1, count_chunks, w);
+        parallel_for(threads, w->chunks, 1, count_chunks, w);
         if (counts_to_places(w) <= IDS_A_TRIANGLE * (w->s->count + cells) || b->cells == 1) break;
     }
     b->ids = malloc((b->first[(size_t)b->cells * b->cells] + 1) * sizeof *b->ids);
     if (!b->ids) return VXS_E_MEMORY;
-    parallel_for(threads, CHUNKS, 1, place_chunks, w);
+    parallel_for(threads, w->chunks, 1, place_chunks, w);
     return VXS_OK;
 }
 
 vxs_result triangle_bins_init(triangle_bins *b, const sparse_triangles *s, uint32_t side_px, uint32_t threads)
 {
-    binner w     = {.b = b, .s = s};
+    binner w     = {.b = b, .s = s, .chunks = min_u32(1 + (uint32_t)(s->count / GRAIN), CHUNKS_MAX)};
     *b           = (triangle_bins){0};
     vxs_result r = bin(&w, side_px, threads);
     free(w.place);

@@ -21,20 +21,22 @@ typedef struct patch_run {
     int      faces;   /* all belong to one-sided sheets that face the light */
 } patch_run;
 
+/* Added to a depth, it counts only if a bit is set: no branch, which would be unpredictable. */
+static const double if_set[2] = {INFINITY, 0};
+
 static inline patch_run patch_run_from(const square_list *l, size_t begin)
 {
-    static const double penalty[2] = {INFINITY, 0}; /* no branch on ENTRY_COVERS: it would be unpredictable */
-    const sparse_tags   first      = l->tags[begin];
-    const sparse_tags  *tags       = l->tags;
-    const size_t        count      = l->count;
-    size_t              n          = begin;
-    double              lo = INFINITY, hi = -INFINITY, covered = INFINITY;
-    uint32_t            sampled = 0, any = 0, all = first.kind;
+    const sparse_tags  first = l->tags[begin];
+    const sparse_tags *tags  = l->tags;
+    const size_t       count = l->count;
+    size_t             n     = begin;
+    double             lo = INFINITY, hi = -INFINITY, covered = INFINITY;
+    uint32_t           sampled = 0, any = 0, all = first.kind;
     do {
         const uint32_t bits = l->items[n].bits;
         lo                  = least(lo, l->lo[n]);
         hi                  = greatest(hi, l->hi[n]);
-        covered             = least(covered, l->hi[n] + penalty[bits & ENTRY_COVERS]);
+        covered             = least(covered, l->hi[n] + if_set[bits & ENTRY_COVERS]);
         sampled += bits / ENTRY_SAMPLE & 1;
         any |= bits;
         all &= tags[n].kind;
@@ -240,7 +242,7 @@ static inline lean lean_of(const square_list *l, const sparse_triangles *s, texe
                                     .gx   = plane ? plane->gx : 0,
                                     .gy   = plane ? plane->gy : 0};
     w.steep                      = (fabs(w.gx) + fabs(w.gy)) * w.half;
-    w.slack                      = ldexp(w.steep, -45);
+    w.slack                      = w.steep * 0x1p-45;
     return w;
 }
 
