@@ -30,7 +30,8 @@ int process_run(int (*run)(int argc, char **argv), int argc, char **argv);
 void process_catch_terminate(void);
 
 /* From now on, free every array of a few megabytes to the system at once. By default glibc keeps such arrays after some were
- * freed, and small allocations between them hold their memory: a bake of many lights grew with each light. */
+ * freed, and small allocations between them hold their memory: a bake of many lights grew with each light. Less than such an array at
+ * the end of the heap is kept: with a limit of its own, glibc gives back 128 KiB at a time, and pages are new again and again. */
 void process_return_large(void);
 
 /* The temporary files that a signal handler removes: those of a run whose messages borrow this (run_context.h). */
