@@ -136,6 +136,17 @@ vxs_result vxs_resident_decode(vxs_resident *out, uint32_t levels, uint32_t map_
 vxs_result vxs_resident_encode(vxs_bytes *out, const uint32_t *words, uint32_t word_count, uint32_t levels, uint32_t map_count,
                                const vxs_common *common);
 
+/* The nodes of a light's pages, as a decoder finds them in the resident part. Release both arrays with free. */
+typedef struct vxs_page_nodes {
+    vxs_page_node *nodes;      /* [node_count] page by page */
+    uint32_t      *page_first; /* [pages + 1] */
+    uint32_t       node_count;
+} vxs_page_nodes;
+
+/* The same, with these nodes.   nodes  [out] zeroed after an error */
+vxs_result vxs_resident_encode_nodes(vxs_bytes *out, vxs_page_nodes *nodes, const uint32_t *words, uint32_t word_count,
+                                     uint32_t levels, uint32_t map_count, const vxs_common *common);
+
 /* Index the patterns of a common pool.
  * patterns  [pattern_count] out; common->patterns will point to it
  * kinds     [pattern_count] of the patterns, in storage order

@@ -118,9 +118,10 @@ vxs_result vxs_page_encode(vxs_bytes *out, const uint32_t *words, uint32_t word_
     return r;
 }
 
-vxs_result vxs_resident_encode(vxs_bytes *out, const uint32_t *words, uint32_t word_count, uint32_t levels, uint32_t map_count,
-                               const vxs_common *common)
+vxs_result vxs_resident_encode_nodes(vxs_bytes *out, vxs_page_nodes *nodes, const uint32_t *words, uint32_t word_count,
+                                     uint32_t levels, uint32_t map_count, const vxs_common *common)
 {
+    *nodes = (vxs_page_nodes){0};
     if (word_count < RESIDENT_WORDS || words[0] > VXS_PAGES_MAX) return VXS_E_ARGUMENT;
     top_odds      odds;
     resident_walk r   = {.w             = {.source = words, .word_count = word_count},
@@ -154,10 +155,24 @@ vxs_result vxs_resident_encode(vxs_bytes *out, const uint32_t *words, uint32_t w
     free(r.w.c.parts);
     free(r.w.s);
     free(r.w.words);
+    free(r.patterns);
+    if (result == VXS_OK) {
+        *nodes = (vxs_page_nodes){r.nodes, r.page_first, r.met};
+        return result;
+    }
     free(r.nodes);
     free(r.page_first);
-    free(r.patterns);
     return result;
+}
+
+vxs_result vxs_resident_encode(vxs_bytes *out, const uint32_t *words, uint32_t word_count, uint32_t levels, uint32_t map_count,
+                               const vxs_common *common)
+{
+    vxs_page_nodes nodes;
+    vxs_result     r = vxs_resident_encode_nodes(out, &nodes, words, word_count, levels, map_count, common);
+    free(nodes.nodes);
+    free(nodes.page_first);
+    return r;
 }
 
 /* Number of halves of a pattern over `depths` depths at a half of the source; the pattern is valid (read_source). */

@@ -94,28 +94,6 @@ static int in_order(const vxs_blocks_view *view)
     return view->words[COMMON_WORD] >= head && view->words[COMMON_WORD] <= page_start(view, 0);
 }
 
-/* What a reader knows of a light before its pages: decoded from the bytes written. */
-typedef struct known_resident {
-    vxs_resident_sizes sizes;
-    vxs_resident       resident;
-    vxs_page_scratch  *scratch;
-} known_resident;
-
-static vxs_result know_resident(known_resident *k, const vxs_bytes *bytes, const vxs_light *light)
-{
-    vxs_resident *to = &k->resident;
-    if (vxs_resident_sizes_of(&k->sizes, bytes->data, bytes->size_bytes) != VXS_OK) return VXS_E_ARGUMENT;
-    to->words      = malloc((size_t)k->sizes.word_count * sizeof *to->words);
-    to->nodes      = malloc(((size_t)k->sizes.node_count + 1) * sizeof *to->nodes);
-    to->page_first = malloc(((size_t)k->sizes.page_count + 1) * sizeof *to->page_first);
-    to->patterns   = malloc(((size_t)k->sizes.pattern_count + 1) * sizeof *to->patterns);
-    k->scratch     = malloc(vxs_page_scratch_bytes());
-    if (!to->words || !to->nodes || !to->page_first || !to->patterns || !k->scratch) return VXS_E_MEMORY;
-    return vxs_resident_decode(to, light->levels, vxs_map_count(light), bytes->data, bytes->size_bytes, k->scratch) == VXS_OK
-               ? VXS_OK
-               : VXS_E_ARGUMENT;
-}
-
 /* The bytes of a page, or the error. */
 typedef struct encoded_page {
     vxs_bytes  bytes;
@@ -125,7 +103,8 @@ typedef struct encoded_page {
 /* State of encoding pages. */
 typedef struct page_encoder {
     const vxs_blocks_view *view;
-    const vxs_resident    *resident;
+    const vxs_page_nodes  *known;
+    const vxs_common      *pool;
     vxs_common_marks       common; /* only for packing fast, like the next */
     int                    zstd_level;
     encoded_page          *out; /* [pages.count] */
@@ -141,23 +120,23 @@ static uint32_t page_words(const vxs_blocks_view *view, uint32_t page)
  * encoded. */
 static void encode_some_pages(void *work, uint32_t task)
 {
-    page_encoder       *e       = work;
-    const vxs_resident *r       = e->resident;
-    int                 is_fast = e->view->packing == VXS_PACKING_FAST;
-    vxs_page_encoder   *encoder = is_fast ? NULL : vxs_page_encoder_new();
-    vxs_page_marks     *marks   = is_fast ? malloc(sizeof *marks) : NULL;
-    ZSTD_CCtx          *zstd    = is_fast ? vxs_compressor(e->zstd_level) : NULL;
-    uint32_t            page;
+    page_encoder         *e       = work;
+    const vxs_page_nodes *k       = e->known;
+    int                   is_fast = e->view->packing == VXS_PACKING_FAST;
+    vxs_page_encoder     *encoder = is_fast ? NULL : vxs_page_encoder_new();
+    vxs_page_marks       *marks   = is_fast ? malloc(sizeof *marks) : NULL;
+    ZSTD_CCtx            *zstd    = is_fast ? vxs_compressor(e->zstd_level) : NULL;
+    uint32_t              page;
     (void)task;
     if (marks) marks->common = &e->common;
     while (vxs_items_next(&e->pages, &page)) {
         encoded_page        *to         = &e->out[page];
         const uint32_t      *words      = e->view->words + page_start(e->view, page);
         uint32_t             count      = page_words(e->view, page);
-        const vxs_page_node *nodes      = r->nodes + r->page_first[page];
-        uint32_t             node_count = r->page_first[page + 1] - r->page_first[page];
+        const vxs_page_node *nodes      = k->nodes + k->page_first[page];
+        uint32_t             node_count = k->page_first[page + 1] - k->page_first[page];
         if (encoder)
-            to->result = vxs_page_encode_by(encoder, &to->bytes, words, count, nodes, node_count, &r->common);
+            to->result = vxs_page_encode_by(encoder, &to->bytes, words, count, nodes, node_count, e->pool);
         else if (marks && zstd)
             to->result = vxs_page_pack(&to->bytes, words, count, nodes, node_count, marks, zstd);
         else
@@ -197,7 +176,7 @@ vxs_result vxs_write_blocks(vxs_sections *s, const vxs_blocks_view *view, const 
 {
     if (!in_order(view) || view->packing > VXS_PACKING_FAST) return VXS_E_ARGUMENT;
     vxs_bytes      resident = {0}, pages = {0};
-    known_resident known = {0};
+    vxs_page_nodes known = {0};
     vxs_common     common;
     uint32_t      *patterns = malloc(((size_t)view->common_count + 1) * sizeof *patterns);
     vxs_result     r        = patterns ? VXS_E_ARGUMENT : VXS_E_MEMORY;
@@ -208,19 +187,19 @@ vxs_result vxs_write_blocks(vxs_sections *s, const vxs_blocks_view *view, const 
     for (uint32_t padding = 0; padding < 2 && padding <= halves && r == VXS_E_ARGUMENT; padding++)
         r = vxs_common_index(&common, patterns, view->common_kinds, view->common_count, pool, halves - padding);
     if (r == VXS_OK)
-        r = vxs_resident_encode(&resident, view->words, page_start(view, 0), light->levels, vxs_map_count(light), &common);
-    if (r == VXS_OK) r = know_resident(&known, &resident, light);
+        r = vxs_resident_encode_nodes(&resident, &known, view->words, page_start(view, 0), light->levels, vxs_map_count(light), &common);
     if (r == VXS_OK) {
         uint32_t     count = view->words[PAGE_COUNT_WORD];
         page_encoder e     = {.view       = view,
-                              .resident   = &known.resident,
+                              .known      = &known,
+                              .pool       = &common,
                               .zstd_level = s->zstd_level,
                               .pages      = {.count = count, .parallel = s->parallel}};
         r                  = VXS_E_MEMORY;
         e.out              = calloc((size_t)count + 1, sizeof *e.out);
-        e.common.at        = malloc((size_t)known.resident.common.half_count + 1);
+        e.common.at        = malloc((size_t)common.half_count + 1);
         if (e.out && e.common.at) {
-            vxs_common_mark(&e.common, &known.resident.common);
+            vxs_common_mark(&e.common, &common);
             vxs_tasks_run(s->parallel, vxs_task_count(s->parallel, count), encode_some_pages, &e);
             r = join_pages(&pages, view, e.out, count);
             for (uint32_t n = 0; n < count; n++) free(e.out[n].bytes.data);
@@ -230,18 +209,15 @@ vxs_result vxs_write_blocks(vxs_sections *s, const vxs_blocks_view *view, const 
     }
     if (r == VXS_OK && view->packing == VXS_PACKING_FAST) {
         /* The bytes so far were needed to check that the resident part keeps every rule. */
-        resident.size_bytes = 0;
-        r                   = vxs_resident_pack(&resident, &known.sizes, view->words, view->common_kinds, s->zstd);
+        vxs_resident_sizes sizes = {page_start(view, 0), view->words[PAGE_COUNT_WORD], known.node_count, view->common_count};
+        resident.size_bytes      = 0;
+        r                        = vxs_resident_pack(&resident, &sizes, view->words, view->common_kinds, s->zstd);
     }
     if (r == VXS_OK) r = vxs_add_stored(s, VXS_KIND_RESIDENT, number, &resident);
     if (r == VXS_OK) r = vxs_add_stored(s, VXS_KIND_PAGES, number, &pages);
 
-    free(known.resident.words);
-    free(known.resident.nodes);
-    free(known.resident.page_first);
-    free(known.resident.patterns);
-    free(known.scratch);
-
+    free(known.nodes);
+    free(known.page_first);
     free(patterns);
     free(resident.data);
     free(pages.data);
