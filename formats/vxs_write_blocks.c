@@ -187,7 +187,8 @@ vxs_result vxs_write_blocks(vxs_sections *s, const vxs_blocks_view *view, const 
     for (uint32_t padding = 0; padding < 2 && padding <= halves && r == VXS_E_ARGUMENT; padding++)
         r = vxs_common_index(&common, patterns, view->common_kinds, view->common_count, pool, halves - padding);
     if (r == VXS_OK)
-        r = vxs_resident_encode_nodes(&resident, &known, view->words, page_start(view, 0), light->levels, vxs_map_count(light), &common);
+        r = vxs_resident_encode_nodes(&resident, &known, view->words, page_start(view, 0), light->levels, vxs_map_count(light),
+                                      &common);
     if (r == VXS_OK) {
         uint32_t     count = view->words[PAGE_COUNT_WORD];
         page_encoder e     = {.view       = view,

@@ -49,24 +49,24 @@ vxs_result        page_encode_by_again(vxs_page_encoder *e, vxs_bytes *out, cons
                                        const vxs_page_node *nodes, uint32_t node_count, const vxs_common *common);
 vxs_result        page_encode_failing(vxs_bytes *out, const uint32_t *words, uint32_t word_count, const vxs_page_node *nodes,
                                       uint32_t node_count, const vxs_common *common);
-vxs_result resident_encode_nodes_again(vxs_bytes *out, vxs_page_nodes *nodes, const uint32_t *words, uint32_t word_count,
-                                       uint32_t levels, uint32_t map_count, const vxs_common *common);
+vxs_result        resident_encode_nodes_again(vxs_bytes *out, vxs_page_nodes *nodes, const uint32_t *words, uint32_t word_count,
+                                              uint32_t levels, uint32_t map_count, const vxs_common *common);
 vxs_result resident_encode_failing(vxs_bytes *out, const uint32_t *words, uint32_t word_count, uint32_t levels, uint32_t map_count,
                                    const vxs_common *common);
 vxs_result common_index_again(vxs_common *common, uint32_t *patterns, const uint8_t *kinds, uint32_t pattern_count,
                               const uint32_t *words, uint32_t half_count);
 
-#define malloc                failing_malloc
-#define calloc                failing_calloc
-#define realloc               failing_realloc
-#define free                  counted_free
-#define vxs_page_encoder_new  encoder_new_failing
-#define vxs_page_encoder_free encoder_free_counted
-#define vxs_page_encode_by    page_encode_by_again
-#define vxs_page_encode       page_encode_failing
+#define malloc                    failing_malloc
+#define calloc                    failing_calloc
+#define realloc                   failing_realloc
+#define free                      counted_free
+#define vxs_page_encoder_new      encoder_new_failing
+#define vxs_page_encoder_free     encoder_free_counted
+#define vxs_page_encode_by        page_encode_by_again
+#define vxs_page_encode           page_encode_failing
 #define vxs_resident_encode_nodes resident_encode_nodes_again
-#define vxs_resident_encode   resident_encode_failing
-#define vxs_common_index      common_index_again
+#define vxs_resident_encode       resident_encode_failing
+#define vxs_common_index          common_index_again
 #include "formats/vxs_page_encode.c"
 #undef malloc
 #undef calloc

@@ -59,30 +59,24 @@ typedef struct block_form {
     uint32_t words;
 } block_form;
 
-static block_form form_of(const block *b)
+static block_form form_of(const block_lists *b)
 {
-    block_form f    = {0};
-    uint32_t   bits = 0, last = NEVER, greatest = (uint32_t)b->depth[b->depths - 1];
-    for (uint32_t n = 1; n < b->depths; n++) bits |= (uint32_t)b->depth[n];
+    const block_head *h    = &b->head;
+    block_form        f    = {.mixed = h->patterned, .own = h->own, .plane = h->planar};
+    uint32_t          bits = 0, last = NEVER, greatest = (uint32_t)b->depth[h->depths - 1];
+    const uint32_t    uniform = ~(f.mixed | f.plane) & 0xffff, owns = (uint32_t)__builtin_popcount(f.own);
+    for (uint32_t n = 1; n < h->depths; n++) bits |= (uint32_t)b->depth[n];
     f.shift = common_shift(bits);
     f.width = greatest >> f.shift <= 0xff ? 0 : greatest >> f.shift <= 0xffff ? 1 : 2;
     if (f.width == 2) f.shift = 0;
-    for (uint32_t n = 0; n < BLOCK_TILES; n++) {
-        const block_tile *t = &b->tile[n];
-        if (tile_has_pattern(t)) f.mixed |= 1u << n;
-        if (t->kind == TILE_PLANE) f.plane |= 1u << n;
-        if (t->kind == TILE_PRIVATE) {
-            f.own |= 1u << n;
-            f.far |= t->base < -FAR_BASE || t->base >= FAR_BASE;
-        }
-        if (t->kind == TILE_UNIFORM && t->palette != last) {
-            f.fresh |= 1u << n;
-            last = t->palette;
-        }
+    for (uint32_t n = 0; n < owns; n++) f.far |= b->base[n] < -FAR_BASE || b->base[n] >= FAR_BASE;
+    for (uint32_t rest = uniform; rest; rest &= rest - 1) {
+        const uint32_t palette = b->palette[__builtin_ctz(rest)];
+        if (palette != last) f.fresh |= rest & -rest;
+        last = palette;
     }
-    uint32_t bytes = ((b->depths - 1) << f.width) + ((uint32_t)__builtin_popcount(f.fresh) + 1) / 2;
-    f.words        = 2 + (f.plane ? PLANE_WORDS : 0) + (uint32_t)__builtin_popcount(f.mixed) + (bytes + 3) / 4 +
-              (f.far ? (uint32_t)__builtin_popcount(f.own) : 0);
+    uint32_t bytes = ((h->depths - 1u) << f.width) + ((uint32_t)__builtin_popcount(f.fresh) + 1) / 2;
+    f.words        = 2 + (f.plane ? PLANE_WORDS : 0) + (uint32_t)__builtin_popcount(f.mixed) + (bytes + 3) / 4 + (f.far ? owns : 0);
     return f;
 }
 
@@ -91,7 +85,8 @@ static void measure_some_blocks(void *user, size_t begin, size_t end, uint32_t w
     const layout *l = user;
     (void)worker;
     for (size_t n = begin; n < end; n++) {
-        const block b     = block_at(l->set, (uint32_t)n);
+        block_lists b;
+        block_read(&b, intern_at(&l->set->blocks, (uint32_t)n));
         l->block_words[n] = (uint16_t)form_of(&b).words;
         block_renumber(intern_at(&l->set->blocks, (uint32_t)n), l->code_of[0], l->code_of[1], NULL);
     }
@@ -351,41 +346,40 @@ static uint32_t write_node(const page_scratch *places, uint32_t *to, const node_
 }
 
 /* pool  half of the page where its patterns begin */
-static void write_block(const layout *l, const page_scratch *s, uint32_t *to, const block *b, block_form f, uint32_t pool)
+static void write_block(const layout *l, const page_scratch *s, uint32_t *to, const block_lists *b, block_form f, uint32_t pool)
 {
     uint32_t word = 2, byte, nibbles = 0;
     to[0] = f.mixed | f.fresh << 16;
-    to[1] = f.own | f.plane | ((b->depths - 1) | f.shift << 4 | f.width << 8 | (f.far ? BLOCK_FAR : 0)) << 16;
+    to[1] = f.own | f.plane | ((b->head.depths - 1u) | f.shift << 4 | f.width << 8 | (f.far ? BLOCK_FAR : 0)) << 16;
     if (f.plane) {
         int shift  = plane_shift(&b->plane);
         to[word++] = ((uint32_t)(b->plane.across >> shift) & 0xffff) | (uint32_t)(b->plane.down >> shift) << 16;
         to[word++] = (uint32_t)shift | (uint32_t)b->plane.least << 4;
     }
-    for (const block_tile *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
-        if (!tile_has_pattern(t)) continue;
-        int      is_private = t->kind == TILE_PRIVATE;
-        uint32_t code = t->pattern, common = l->common[is_private][code];
-        uint32_t ref = common ? COMMON | (common - 1) : pool + s->code_at[is_private][code].at;
-        to[word++]   = ref << 14 | (!is_private ? t->palette : f.far ? 0 : (uint32_t)(t->base + FAR_BASE));
+    for (uint32_t n = 0, own = 0, rest = f.mixed; rest; n++, rest &= rest - 1) {
+        const int      tile = __builtin_ctz(rest), is_private = f.own >> tile & 1;
+        const uint32_t code = b->pattern[n], common = l->common[is_private][code];
+        const uint32_t ref = common ? COMMON | (common - 1) : pool + s->code_at[is_private][code].at;
+        uint32_t       low = b->palette[tile];
+        if (is_private) low = f.far ? 0 : (uint32_t)(b->base[own++] + FAR_BASE);
+        to[word++] = ref << 14 | low;
     }
     byte = 4 * word;
-    for (uint32_t n = 1; n < b->depths; n++, byte += 1u << f.width)
+    for (uint32_t n = 1; n < b->head.depths; n++, byte += 1u << f.width)
         put_bytes(to, byte, (uint32_t)b->depth[n] >> f.shift, 1u << f.width);
-    for (uint32_t n = 0; n < BLOCK_TILES; n++) {
-        if (!(f.fresh >> n & 1)) continue;
-        put_bytes(to, byte + nibbles / 2, (uint32_t)b->tile[n].palette << 4 * (nibbles & 1), 1);
-        nibbles++;
-    }
+    for (uint32_t rest = f.fresh; rest; rest &= rest - 1, nibbles++)
+        put_bytes(to, byte + nibbles / 2, (uint32_t)b->palette[__builtin_ctz(rest)] << 4 * (nibbles & 1), 1);
     word = (byte + (nibbles + 1) / 2 + 3) / 4;
-    for (const block_tile *t = b->tile; f.far && t < b->tile + BLOCK_TILES; t++)
-        if (t->kind == TILE_PRIVATE) to[word++] = (uint32_t)t->base;
+    if (f.far) memcpy(to + word, b->base, (size_t)__builtin_popcount(f.own) * sizeof *to);
 }
 
 static void write_pattern(const layout *l, uint32_t *to, uint32_t half, int is_private, uint32_t code)
 {
-    const uint16_t *halves = code_halves(l, is_private, code);
-    half_writer     w      = {to, half};
-    for (uint32_t n = 0; n < l->code_size[is_private][code]; n++) put_half(&w, halves[n]);
+    const uint16_t *halves = code_halves(l, is_private, code), *end = halves + l->code_size[is_private][code];
+    if (half & 1) to[half / 2] |= (uint32_t)*halves++ << 16;
+    to += (half + 1) / 2;
+    for (; halves + 1 < end; halves += 2) *to++ = halves[0] | (uint32_t)halves[1] << 16;
+    if (halves < end) *to |= *halves;
 }
 
 /* Write the contents of a page.   words  zeroed */
@@ -409,15 +403,15 @@ static void write_page(page_writer *w, size_t page, uint32_t *words)
         c->node_words += node_words;
         for (int b = 0; b < NODE_BLOCKS; b++) {
             if (!(shape.mixed >> b & 1) || w->scratch.block_at[shape.block[b]].at != next_word) continue;
-            const block of   = block_at(l->set, shape.block[b]);
-            block_form  form = form_of(&of);
+            block_lists of;
+            block_read(&of, intern_at(&l->set->blocks, shape.block[b]));
+            block_form form = form_of(&of);
             write_block(l, &w->scratch, words + next_word, &of, form, pool);
 
             /* the patterns that no earlier block of the page uses */
-            for (const block_tile *t = of.tile; t < of.tile + BLOCK_TILES; t++) {
-                if (!tile_has_pattern(t)) continue;
-                int      is_private = t->kind == TILE_PRIVATE;
-                uint32_t code       = t->pattern;
+            for (uint32_t k = 0, rest = form.mixed; rest; k++, rest &= rest - 1) {
+                const int      is_private = form.own >> __builtin_ctz(rest) & 1;
+                const uint32_t code       = of.pattern[k];
                 if (l->common[is_private][code] || w->scratch.code_at[is_private][code].at != next_half) continue;
                 write_pattern(l, words, pool + next_half, is_private, code);
                 next_half += l->code_size[is_private][code];

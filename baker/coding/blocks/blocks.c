@@ -41,22 +41,39 @@ size_t block_pack(const block *b, uint8_t bytes[BLOCK_PACKED_MAX])
     return size_bytes + spare;
 }
 
+void block_read(block_lists *b, const uint8_t *bytes)
+{
+    uint16_t       palette[BLOCK_TILES];
+    const uint8_t *from = take(&b->head, bytes, sizeof b->head);
+    from                = take(b->pattern, from, (size_t)__builtin_popcount(b->head.patterned) * sizeof *b->pattern);
+    from                = take(b->base, from, (size_t)__builtin_popcount(b->head.own) * sizeof *b->base);
+    from                = take(palette, from, (size_t)__builtin_popcount(b->head.palette) * sizeof *palette);
+    b->depth[0]         = 0;
+    from                = take(b->depth + 1, from, (b->head.depths - 1u) * sizeof *b->depth);
+    memset(&b->plane, 0, sizeof b->plane);
+    if (b->head.has_plane) take(&b->plane, from, sizeof b->plane);
+    memset(b->palette, 0, sizeof b->palette);
+    for (uint32_t n = 0, rest = b->head.palette; rest; rest &= rest - 1) b->palette[__builtin_ctz(rest)] = palette[n++];
+}
+
 void block_unpack(block *b, const uint8_t *bytes)
 {
-    block_head     h;
-    const uint8_t *from = take(&h, bytes, sizeof h);
+    block_lists       l;
+    const block_head *h = &l.head;
+    block_read(&l, bytes);
     memset(b, 0, sizeof *b);
-    b->depths = h.depths;
-    for (uint32_t n = 0; n < BLOCK_TILES; n++)
-        b->tile[n].kind = h.own >> n & 1         ? TILE_PRIVATE
-                          : h.patterned >> n & 1 ? TILE_PATTERN
-                          : h.planar >> n & 1    ? TILE_PLANE
-                                                 : TILE_UNIFORM;
-    for (uint32_t rest = h.patterned; rest; rest &= rest - 1) from = take(&b->tile[__builtin_ctz(rest)].pattern, from, 4);
-    for (uint32_t rest = h.own; rest; rest &= rest - 1) from = take(&b->tile[__builtin_ctz(rest)].base, from, 4);
-    for (uint32_t rest = h.palette; rest; rest &= rest - 1) from = take(&b->tile[__builtin_ctz(rest)].palette, from, 2);
-    from = take(b->depth + 1, from, (b->depths - 1) * sizeof *b->depth);
-    if (h.has_plane) take(&b->plane, from, sizeof b->plane);
+    b->depths = h->depths;
+    memcpy(b->depth, l.depth, h->depths * sizeof *b->depth);
+    b->plane = l.plane;
+    for (uint32_t n = 0, pattern = 0, base = 0; n < BLOCK_TILES; n++) {
+        block_tile *t = &b->tile[n];
+        t->palette    = l.palette[n];
+        if (h->planar >> n & 1) t->kind = TILE_PLANE;
+        if (!(h->patterned >> n & 1)) continue;
+        t->kind    = h->own >> n & 1 ? TILE_PRIVATE : TILE_PATTERN;
+        t->pattern = l.pattern[pattern++];
+        if (t->kind == TILE_PRIVATE) t->base = l.base[base++];
+    }
 }
 
 void block_renumber(uint8_t *bytes, const uint32_t *shared, const uint32_t *privates, const int32_t *private_base)

@@ -55,6 +55,18 @@ typedef struct block_head {
 /* Returns the number of bytes, padded with zeros to a multiple of 8. */
 size_t block_pack(const block *b, uint8_t bytes[BLOCK_PACKED_MAX]);
 
+/* A packed block as it is stored, in lists. */
+typedef struct block_lists {
+    block_head head;
+    uint32_t   pattern[BLOCK_TILES]; /* of tiles in head.patterned, in their order */
+    int32_t    base[BLOCK_TILES];    /* of tiles in head.own, in their order */
+    uint16_t   palette[BLOCK_TILES]; /* of each tile */
+    int32_t    depth[PALETTE_MAX];   /* [head.depths] */
+    plane      plane;                /* 0 without head.has_plane */
+} block_lists;
+
+void block_read(block_lists *b, const uint8_t *bytes);
+
 void block_unpack(block *b, const uint8_t *bytes);
 
 /* Renumber patterns: private-palette ones become privates[was], others shared[was]; private_base[was] is added to the bases of
