@@ -30,8 +30,7 @@ vxs_result bake_report_begin(bake_report *report, const scene *s, const casters 
     counts->alpha_mask_first              = NULL;
     counts->hole_uvs                      = NULL;
     counts->images                        = NULL;
-    box all                               = box_empty();
-    for (size_t n = 0; n < c->vertex_count; n++) box_add(&all, c->positions_ws + 3 * n);
+    box all                               = casters_bounds(c);
     memcpy(report->casters_min_ws, all.min, sizeof all.min);
     memcpy(report->casters_max_ws, all.max, sizeof all.max);
 

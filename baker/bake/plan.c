@@ -33,7 +33,8 @@ static vxs_result fit_light(void *user, size_t n, uint32_t worker, run_context *
     light_fit_desc      fit    = {.name           = chosen->name,
                                   .shape          = &chosen->shape,
                                   .resolution_max = RESOLUTION_MAX_PX,
-                                  .region_ws      = f->o->region_given ? f->o->region_ws : NULL};
+                                  .region_ws      = f->o->region_given ? f->o->region_ws : NULL,
+                                  .threads        = f->plan->light_count > 1 ? 1 : f->o->threads};
     casters             near;
     (void)worker;
     fit.resolution = light_resolution(f->o, chosen->name, &fit.texel_metres);

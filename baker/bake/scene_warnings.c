@@ -204,7 +204,7 @@ static int parts_are_large(const casters *c)
 
 void warn_about_scale(const casters *c, run_context *m)
 {
-    box    all    = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
+    box    all    = casters_bounds(c);
     double across = box_diagonal(&all), height = all.max[1] - all.min[1];
     int    large = across > ACROSS_MAX_METRES || height > HEIGHT_MAX_METRES || (across > PLACE_MIN_METRES && parts_are_large(c));
     int    small = across < ACROSS_MIN_METRES || (across < PLACE_ACROSS_MIN_METRES && casters_component_count(c) >= PARTS_MIN);
@@ -232,7 +232,7 @@ void warn_about_ranges(const casters *c, const light_choice *chosen, run_context
     double width = longest->shape.range_metres / RANGE_OF_WIDTH_MIN;
     for (size_t n = 0; n < count; n++) wider += box_width(&c->boxes[n]) > width;
     if (2 * wider <= count) return;
-    box all = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
+    box all = casters_bounds(c);
     if (box_diagonal(&all) < CENTIMETRES_ACROSS_MIN_METRES) return;
     warn(m,
          "light '%s' reaches %.3g m, no punctual light farther, and %zu of %zu components are wider than %.3g m, in a scene of "
@@ -294,7 +294,7 @@ void warn_about_region(const casters *c, const double region_ws[6], run_context 
         }
         if (count != 0) return;
     }
-    box all = box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count);
+    box all = casters_bounds(c);
     warn(
         m,
         "--region touches no caster: they lie from (%.6g, %.6g, %.6g) to (%.6g, %.6g, %.6g) m; give a box that meets them, or none",

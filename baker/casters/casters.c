@@ -670,6 +670,17 @@ void casters_free(casters *c)
     *c = (casters){0};
 }
 
+box casters_bounds(const casters *c)
+{
+    box all = box_empty();
+    if (c->borders.joined) return box_of_corners(c->positions_ws, c->indices, 3 * c->triangle_count); /* boxes are older */
+    for (size_t n = 0; n < casters_component_count(c); n++) {
+        box_add(&all, c->boxes[n].min);
+        box_add(&all, c->boxes[n].max);
+    }
+    return all;
+}
+
 const char *component_kind_name(component_kind kind)
 {
     static const char *const names[COMPONENT_KINDS] = {

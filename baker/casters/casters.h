@@ -122,6 +122,9 @@ static inline size_t casters_component_count(const casters *c)
     return count;
 }
 
+/* Bounding box of all triangles. */
+struct box casters_bounds(const casters *c);
+
 /* Number of triangles before splitting. */
 static inline size_t casters_whole_count(const casters *c)
 {

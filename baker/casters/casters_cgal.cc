@@ -69,6 +69,12 @@ CGAL::Bbox_3 guest_box(const shell_set &s, uint32_t guest)
     return CGAL::Bbox_3(low[0], low[1], low[2], high[0], high[1], high[2]);
 }
 
+bool is_within(const CGAL::Bbox_3 &b, const CGAL::Bbox_3 &outer)
+{
+    return b.xmin() >= outer.xmin() && b.ymin() >= outer.ymin() && b.zmin() >= outer.zmin() && b.xmax() <= outer.xmax() &&
+           b.ymax() <= outer.ymax() && b.zmax() <= outer.zmax();
+}
+
 /* The part of a component above or around an area. It decides whether a point of the area is inside. */
 class shell
 {
@@ -134,19 +140,16 @@ bool holds_component(shell &outer, const shell_set &s, uint32_t inner)
     return true;
 }
 
-/* Search structure for guests whose boxes lie in a box: a balanced tree over their six bounds. Each part of the tree stores the
+/* Search structure for guests whose boxes may lie in a box: a balanced tree over their six bounds. Each part of the tree stores the
  * maxima of the lower bounds and the minima of the upper bounds of its guests; if these are outside the box, so are all guests of
- * the part. */
+ * the part. Bounds are floats, which may find guests that lie a little outside. */
 class guest_tree
 {
   public:
     guest_tree(const shell_set &s, uint32_t threads) : threads(threads)
     {
         guests.reserve(s.count + s.point_count);
-        for (uint32_t i = 0; i < s.count + s.point_count; i++) {
-            const CGAL::Bbox_3 b = guest_box(s, i);
-            guests.push_back({{b.xmin(), b.ymin(), b.zmin(), -b.xmax(), -b.ymax(), -b.zmax()}, i});
-        }
+        for (uint32_t i = 0; i < s.count + s.point_count; i++) guests.push_back({bounds_of(guest_box(s, i), INFINITY), i});
         size_t parts = 1;
         while (guests.size() > leaf_guests * parts) parts *= 2;
         greatest.resize(2 * parts);
@@ -156,12 +159,12 @@ class guest_tree
     /* Call visit(number) for the guests in a box until it returns true. */
     template <class visitor> bool any_inside(const CGAL::Bbox_3 &b, const visitor &visit) const
     {
-        return any_inside({b.xmin(), b.ymin(), b.zmin(), -b.xmax(), -b.ymax(), -b.zmax()}, visit, 1, 0, guests.size());
+        return any_inside(bounds_of(b, -INFINITY), visit, 1, 0, guests.size());
     }
 
   private:
     /* Lower bounds and negated upper bounds. A guest is in a box when each of its values is at least the box's value. */
-    using bounds = std::array<double, 6>;
+    using bounds = std::array<float, 6>;
     struct guest {
         bounds   at;
         uint32_t number;
@@ -171,13 +174,25 @@ class guest_tree
     std::vector<guest>      guests;
     std::vector<bounds>     greatest; /* by part; part n has the children 2 n and 2 n + 1 */
 
+    /* Rounded toward `to`. */
+    static bounds bounds_of(const CGAL::Bbox_3 &b, float to)
+    {
+        const double exact[6] = {b.xmin(), b.ymin(), b.zmin(), -b.xmax(), -b.ymax(), -b.zmax()};
+        bounds       out;
+        for (size_t k = 0; k < 6; k++) {
+            out[k] = (float)exact[k];
+            if (to > 0 ? (double)out[k] < exact[k] : (double)out[k] > exact[k]) out[k] = std::nextafterf(out[k], to);
+        }
+        return out;
+    }
+
     bool is_leaf(size_t part) const { return 2 * part >= greatest.size(); }
 
     static bool none_less(const bounds &a, const bounds &b)
     {
-        for (size_t k = 0; k < 6; k++)
-            if (a[k] < b[k]) return false;
-        return true;
+        bool less = false;
+        for (size_t k = 0; k < 6; k++) less |= a[k] < b[k];
+        return !less;
     }
 
     void build(size_t part, size_t begin, size_t end)
@@ -239,8 +254,9 @@ bool is_occupied(const shell_set &s, const guest_tree &guests, uint32_t componen
 {
     std::vector<uint32_t> batch;
     size_t                room = 1;
-    return guests.any_inside(guest_box(s, component), [&](uint32_t guest) {
-        if (guest == component) return false;
+    const CGAL::Bbox_3    own  = guest_box(s, component);
+    return guests.any_inside(own, [&](uint32_t guest) {
+        if (guest == component || !is_within(guest_box(s, guest), own)) return false;
         batch.push_back(guest);
         if (batch.size() < room) return false;
         if (holds_any(s, component, batch)) return true;

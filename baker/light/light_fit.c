@@ -8,9 +8,12 @@
 
 #include "baker/base/box.h"
 #include "baker/base/integer.h"
+#include "baker/base/parallel.h"
 #include "baker/base/portable_math.h"
 #include "baker/base/vec3.h"
 #include "baker/light/map_space.h"
+
+enum { VERTICES_AT_ONCE = 1 << 14 };
 
 /* Distances along the axes of the maps, metres. */
 typedef struct reach {
@@ -156,6 +159,34 @@ static void extend_along(box *extent, double axes[3][3], const double *point)
     box_add(extent, (double[3]){vec3_dot(axes[0], point), vec3_dot(axes[1], point), vec3_dot(axes[2], point)});
 }
 
+typedef struct extender {
+    const casters *c;
+    double (*axes)[3];
+    box *extents; /* [threads] */
+} extender;
+
+static void extend_some(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    const extender *x = user;
+    box             b = x->extents[worker];
+    for (size_t n = begin; n < end; n++) extend_along(&b, x->axes, x->c->positions_ws + 3 * n);
+    x->extents[worker] = b;
+}
+
+static box extent_of(const casters *c, double axes[3][3], uint32_t threads)
+{
+    box      extents[PARALLEL_THREADS_MAX], all = box_empty();
+    extender x = {c, axes, extents};
+    for (int n = 0; n < PARALLEL_THREADS_MAX; n++) extents[n] = box_empty();
+    parallel_for(threads, c->vertex_count, VERTICES_AT_ONCE, extend_some, &x);
+    for (int n = 0; n < PARALLEL_THREADS_MAX; n++) {
+        if (!(extents[n].min[0] <= extents[n].max[0])) continue; /* a thread without vertices */
+        box_add(&all, extents[n].min);
+        box_add(&all, extents[n].max);
+    }
+    return all;
+}
+
 static vxs_result sun_fit(vxs_light *light, const casters *c, const light_fit_desc *desc, double axes[3][3], run_context *m)
 {
     box    extent = box_empty();
@@ -166,7 +197,7 @@ static vxs_result sun_fit(vxs_light *light, const casters *c, const light_fit_de
             extend_along(&extent, axes, (double[3]){b[corner & 1 ? 3 : 0], b[corner & 2 ? 4 : 1], b[corner & 4 ? 5 : 2]});
         }
     else
-        for (size_t n = 0; n < c->vertex_count; n++) extend_along(&extent, axes, c->positions_ws + 3 * n);
+        extent = extent_of(c, axes, desc->threads);
 
     vec3_sub(extent.max, extent.min, length);
     double   width = fmax(length[0], length[1]), depth = length[2];

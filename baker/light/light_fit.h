@@ -17,6 +17,7 @@ typedef struct light_fit_desc {
     uint32_t           resolution_max; /* upper limit of the resolution that texel_metres gives */
     double             texel_metres;   /* used when resolution is 0 */
     const double      *region_ws;      /* [6] min xyz, max xyz of the box in which lookups happen; NULL: all casters */
+    uint32_t           threads;        /* 0 and 1: the calling thread only */
 } light_fit_desc;
 
 /* Fit the maps of a light to the casters it can reach.
