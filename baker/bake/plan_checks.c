@@ -8,6 +8,7 @@
 #include "baker/bake/coarse_texels.h"
 #include "baker/bake/plan.h"
 #include "baker/bake/scene_objects.h"
+#include "baker/base/parallel_runs.h"
 #include "baker/base/portable_math.h"
 #include "baker/base/text.h"
 #include "baker/base/vec3.h"
@@ -78,11 +79,17 @@ static void warn_about_hider(const check_scene *k, const plan_light *l, const sc
              name.text, metres, out, name.option, own);
 }
 
+/* What is found for a light on a thread of its own. */
+typedef struct light_find {
+    const scene_object *hider; /* NULL: none */
+    double              metres;
+} light_find;
+
 /* far objects ----------------------------------------------------------------------------------------------------------------- */
 
-/* Warn of far objects. Objects that hide lights have a warning already.   hiders  [lights] NULL: not hidden
+/* Warn of far objects. Objects that hide lights have a warning already.   found  [lights]
  * Returns 1 if it has warned. */
-static int check_far(const check_scene *k, const scene_object *const *hiders)
+static int check_far(const check_scene *k, const light_find *found)
 {
     far_objects        far;
     const object_list *of   = k->nodes.count > 1 && far_objects_find(&far, &k->nodes) ? &k->nodes : &k->components;
@@ -90,7 +97,7 @@ static int check_far(const check_scene *k, const scene_object *const *hiders)
     if (of == &k->components && !far_objects_find(&far, of)) return 0;
     for (size_t n = 0; n < far.count; n++)
         for (size_t l = 0; l < k->plan->light_count; l++)
-            if (hiders[l] && hiders[l]->component == of->items[far.items[n]].component) {
+            if (found[l].hider && found[l].hider->component == of->items[far.items[n]].component) {
                 hide++;
                 break;
             }
@@ -185,6 +192,29 @@ static void warn_about_steps(const check_scene *k)
 
 /* all checks ------------------------------------------------------------------------------------------------------------------ */
 
+typedef struct light_search {
+    check_scene *k;
+    light_find  *found; /* [light_count of the plan] */
+} light_search;
+
+/* Sample points for a light: its texels, and the object that hides it. */
+static vxs_result search_light(void *user, size_t n, uint32_t worker, run_context *m)
+{
+    const light_search *s = user;
+    check_scene        *k = s->k;
+    plan_light         *l = &k->plan->lights[n];
+    lit_point           points[POINTS];
+    lit_points_desc     d = {
+            .c = k->c, .reach = &k->plan->reach, .shape = &l->shape, .light = &l->light, .triangles_max = POINT_TRIANGLES_MAX};
+    (void)worker;
+    (void)m;
+    if (l->left_out) return VXS_OK;
+    size_t count      = lit_points_choose(points, POINTS, &d);
+    l->texels         = texels_of(l, points, count);
+    s->found[n].hider = find_hider(k, &d, points, count, &s->found[n].metres);
+    return VXS_OK;
+}
+
 /* Checks of a light that is not hidden. */
 static void check_light(const check_scene *k, const plan_light *l, int far_told, light_tally *short_ones, light_tally *coarse,
                         light_tally *fine)
@@ -219,31 +249,20 @@ static void check_light(const check_scene *k, const plan_light *l, int far_told,
 
 void plan_check_lights(bake_plan *plan, const bake_options *o, const casters *c, const scene *s, run_context *m)
 {
-    check_scene          k      = {.plan = plan, .c = c, .s = s, .m = m};
-    const scene_object **hiders = calloc(plan->light_count, sizeof *hiders);
+    check_scene k     = {.plan = plan, .c = c, .s = s, .m = m};
+    light_find *found = calloc(plan->light_count, sizeof *found);
     objects_by_node(&k.nodes, c, s);
-    if (objects_by_component(&k.components, c) && hiders) {
+    if (objects_by_component(&k.components, c) && found) {
         int         has_region = o->region_given;
         light_tally hidden = {0}, short_ones = {0}, coarse = {0}, fine = {0};
         plan_light *lights = k.plan->lights;
+        parallel_runs(o->threads, plan->light_count, search_light, &(light_search){&k, found}, m);
+        for (size_t n = 0; n < plan->light_count; n++)
+            if (found[n].hider && is_told(&hidden, lights[n].name))
+                warn_about_hider(&k, &lights[n], found[n].hider, found[n].metres);
+        int far_told = !has_region && check_far(&k, found);
         for (size_t n = 0; n < k.plan->light_count; n++)
-            if (!lights[n].left_out) {
-                /* Sample points for a light: its texels, and the object that hides it. */
-                lit_point       points[POINTS];
-                double          metres;
-                lit_points_desc d     = {.c             = k.c,
-                                         .reach         = &k.plan->reach,
-                                         .shape         = &lights[n].shape,
-                                         .light         = &lights[n].light,
-                                         .triangles_max = POINT_TRIANGLES_MAX};
-                size_t          count = lit_points_choose(points, POINTS, &d);
-                lights[n].texels      = texels_of(&lights[n], points, count);
-                hiders[n]             = find_hider(&k, &d, points, count, &metres);
-                if (hiders[n] && is_told(&hidden, lights[n].name)) warn_about_hider(&k, &lights[n], hiders[n], metres);
-            }
-        int far_told = !has_region && check_far(&k, hiders);
-        for (size_t n = 0; n < k.plan->light_count; n++)
-            if (!lights[n].left_out && !hiders[n]) check_light(&k, &lights[n], far_told, &short_ones, &coarse, &fine);
+            if (!lights[n].left_out && !found[n].hider) check_light(&k, &lights[n], far_told, &short_ones, &coarse, &fine);
         warn_about_steps(&k);
         tell_rest(&hidden, "are hidden from all else in this way", k.m);
         tell_rest(&short_ones, "reach nothing but one object", k.m);
@@ -252,5 +271,5 @@ void plan_check_lights(bake_plan *plan, const bake_options *o, const casters *c,
     }
     objects_free(&k.components);
     objects_free(&k.nodes);
-    free(hiders);
+    free(found);
 }

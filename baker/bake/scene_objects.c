@@ -25,7 +25,8 @@ static void fill(object_list *list, const casters *c, size_t components)
 
 int objects_by_component(object_list *list, const casters *c)
 {
-    *list       = (object_list){0};
+    *list = (object_list){0};
+    os_mutex_init(&list->lock);
     list->count = casters_component_count(c);
     list->items = malloc((list->count + 1) * sizeof *list->items);
     list->of    = malloc((list->count + 1) * sizeof *list->of);
@@ -40,6 +41,7 @@ int objects_by_node(object_list *list, const casters *c, const scene *s)
     size_t    components = casters_component_count(c), nodes = 0;
     uint32_t *object_of = NULL; /* [nodes] 1 + index of its object; 0: none yet */
     *list               = (object_list){0};
+    os_mutex_init(&list->lock);
     if (!s || !s->part_count) return 0;
     for (size_t n = 0; n < s->part_count; n++)
         if (s->parts[n].node >= nodes) nodes = (size_t)s->parts[n].node + 1;
@@ -60,6 +62,7 @@ int objects_by_node(object_list *list, const casters *c, const scene *s)
 
 void objects_free(object_list *list)
 {
+    os_mutex_free(&list->lock);
     free(list->items);
     free(list->of);
     free(list->first);
@@ -68,7 +71,7 @@ void objects_free(object_list *list)
 }
 
 /* Find the triangles of each object; a second call does nothing. Returns 0 without memory. */
-static int objects_find_members(object_list *list, const casters *c)
+static int find_members(object_list *list, const casters *c)
 {
     uint32_t at = 0;
     if (list->first) return 1;
@@ -87,6 +90,14 @@ static int objects_find_members(object_list *list, const casters *c)
     first[0]    = 0;
     list->first = first;
     return 1;
+}
+
+static int objects_find_members(object_list *list, const casters *c)
+{
+    os_lock(&list->lock);
+    int found = find_members(list, c);
+    os_unlock(&list->lock);
+    return found;
 }
 
 /* names ----------------------------------------------------------------------------------------------------------------------- */

@@ -4,6 +4,7 @@
 #define SCENE_OBJECTS_H
 
 #include "baker/base/box.h"
+#include "baker/base/threads.h"
 #include "baker/casters/casters.h"
 #include "baker/light/lit_points.h"
 
@@ -20,6 +21,7 @@ typedef struct object_list {
 
     uint32_t *first;   /* [count + 1] object n has members[first[n]] and on; NULL before objects_find_members */
     uint32_t *members; /* [triangles of the casters] triangles, object by object */
+    os_mutex  lock;    /* of these two: several lights are checked at once */
 } object_list;
 
 /* Make a list of objects. By component: each component is an object. By node: all components of a node are one object; a component
