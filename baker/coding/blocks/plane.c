@@ -285,6 +285,20 @@ static uint64_t window_texels(int x, int y)
     return texels;
 }
 
+/* Whether the lines of three texels in a window leave room for a plane: most windows that have none are found so. */
+static int window_may_fit(const plane_ranges *t, int x, int y)
+{
+    static const int8_t lines[][4] = {{0, 0, 1, 0}, {0, 1, 1, 0}, {0, 2, 1, 0}, {0, 0, 0, 1},
+                                      {1, 0, 0, 1}, {2, 0, 0, 1}, {0, 0, 1, 1}, {2, 0, -1, 1}}; /* first texel, step */
+    for (unsigned n = 0; n < sizeof lines / sizeof *lines; n++) {
+        const int8_t *l = lines[n];
+        int           a = pattern_texel(x + l[0], y + l[1]), between = pattern_texel(x + l[0] + l[2], y + l[1] + l[3]);
+        int           b = pattern_texel(x + l[0] + 2 * l[2], y + l[1] + 2 * l[3]);
+        if (t->low[a] + t->low[b] > 2 * t->high[between] || t->high[a] + t->high[b] < 2 * t->low[between]) return 0;
+    }
+    return 1;
+}
+
 /* Fit a plane through a window, and add other texels one by one if they join. Returns the texels; 0: no plane. */
 static uint64_t grow(plane *p, const plane_ranges *t, uint64_t window)
 {
@@ -315,6 +329,7 @@ int plane_fit_pair(plane pair[2], uint64_t *second, const plane_ranges *t)
     for (unsigned n = 0; n < sizeof window / sizeof *window; n++) {
         uint64_t texels = window_texels(window[n][0], window[n][1]);
         if ((texels & tried) == texels) continue; /* tried: no plane passes through the other texels */
+        if (!window_may_fit(t, window[n][0], window[n][1])) continue;
         uint64_t on = grow(&pair[0], t, texels);
         tried |= on;
         *second = ~on;
@@ -330,25 +345,29 @@ int plane_fit_pair(plane pair[2], uint64_t *second, const plane_ranges *t)
 
 enum { BLOCK_PX = 32, SEEDS = 3 };
 
-static uint32_t fit_tiles(plane *p, const plane_ranges tiles[16], uint32_t on, int move_it)
+static uint32_t fit_tiles(plane *p, const plane_ranges tiles[16], uint32_t on)
 {
     const plane_ranges *list[16];
     int                 count = 0;
     for (uint32_t rest = on; rest; rest &= rest - 1) list[count++] = &tiles[__builtin_ctz(rest)];
-    return (move_it ? plane_fit(p, list, count, BLOCK_PX) : plane_place(p, list, count, BLOCK_PX)) ? on : 0;
+    return plane_fit(p, list, count, BLOCK_PX) ? on : 0;
 }
 
-/* The most tiles that one plane with these slopes passes through at one depth.   flat  candidates */
-static uint32_t tiles_on_slopes(const plane *p, const plane_ranges tiles[16], uint32_t flat)
+/* The most tiles that one plane with these slopes passes through at one depth, if they are more than `enough`.
+ * flat  candidates
+ * room  [out] of the plane in all of them
+ * Returns 0 if they are not more. */
+static uint32_t tiles_on_slopes(const plane *p, const plane_ranges tiles[16], uint32_t flat, int enough, plane_room *room)
 {
     plane_room rooms[16];
     uint32_t   most = 0;
     for (uint32_t rest = flat; rest; rest &= rest - 1) {
         int                 n    = __builtin_ctz(rest);
         const plane_ranges *tile = &tiles[n];
-        plane_room          room = room_of(p, &tile, 1);
-        rooms[n]                 = room;
-        if (room.low > room.high) flat ^= 1u << n;
+        rooms[n]                 = room_of(p, &tile, 1);
+        if (rooms[n].low <= rooms[n].high) continue;
+        flat ^= 1u << n;
+        if (__builtin_popcount(flat) <= enough) return 0;
     }
     for (uint32_t at = flat; at; at &= at - 1) {
         uint32_t on = 0;
@@ -357,6 +376,13 @@ static uint32_t tiles_on_slopes(const plane *p, const plane_ranges tiles[16], ui
             if (rooms[n].low <= rooms[of].low && rooms[of].low <= rooms[n].high) on |= 1u << n;
         }
         if (__builtin_popcount(on) > __builtin_popcount(most)) most = on;
+    }
+    if (__builtin_popcount(most) <= enough) return 0;
+    *room = rooms[__builtin_ctz(most)];
+    for (uint32_t rest = most; rest; rest &= rest - 1) {
+        const plane_room *of = &rooms[__builtin_ctz(rest)];
+        room->low            = of->low > room->low ? of->low : room->low;
+        room->high           = of->high < room->high ? of->high : room->high;
     }
     return most;
 }
@@ -380,23 +406,26 @@ static uint32_t tiles_about(plane *p, const plane_ranges tiles[16], uint32_t mix
 {
     uint32_t on = 1u << seed;
     *p          = plane_start(&tiles[seed]);
-    if (!(flat & on) || !fit_tiles(p, tiles, on, 1)) return 0;
+    if (!(flat & on) || !fit_tiles(p, tiles, on)) return 0;
     for (int n = 0; n < 4; n++) {
         plane    next = *p;
         uint32_t near = tiles_near(p, tiles, mixed) | on;
         if (near == on) break;
-        if (!fit_tiles(&next, tiles, near, 1)) {
+        if (!fit_tiles(&next, tiles, near)) {
             /* some of them are not on it: try only neighbours of tiles that are */
             uint32_t beside = (on << 1 & 0xeeee) | (on >> 1 & 0x7777) | on << 4 | on >> 4;
             near            = (near & beside) | on;
             next            = *p;
-            if (near == on || !fit_tiles(&next, tiles, near, 1)) break;
+            if (near == on || !fit_tiles(&next, tiles, near)) break;
         }
         *p = next;
         on = near;
     }
-    uint32_t most = tiles_on_slopes(p, tiles, flat);
-    return __builtin_popcount(most) >= __builtin_popcount(on) ? fit_tiles(p, tiles, most, 0) : on;
+    plane_room room;
+    uint32_t   most = tiles_on_slopes(p, tiles, flat, __builtin_popcount(on) - 1, &room);
+    if (!most) return on;
+    place(p, &room, BLOCK_PX);
+    return most;
 }
 
 static void remember(plane recent[PLANES_RECENT], plane p)
@@ -411,12 +440,13 @@ uint32_t plane_of_block(plane *p, const plane_ranges tiles[16], uint32_t mixed, 
 {
     uint32_t best = 0, tried = 0;
     for (int n = 0; n < PLANES_RECENT && best != mixed; n++) {
-        uint32_t on = tiles_on_slopes(&recent[n], tiles, flat);
-        if (__builtin_popcount(on) <= __builtin_popcount(best)) continue;
+        plane_room room;
+        uint32_t   on = tiles_on_slopes(&recent[n], tiles, flat, __builtin_popcount(best), &room);
+        if (!on) continue;
         best = on;
         *p   = recent[n];
+        place(p, &room, BLOCK_PX);
     }
-    if (best) fit_tiles(p, tiles, best, 0);
     for (int seeds = 0; seeds < SEEDS && 2 * __builtin_popcount(best) < __builtin_popcount(mixed); seeds++) {
         plane    next;
         uint32_t left = mixed & ~tried & ~best;
