@@ -8,6 +8,10 @@
 #include "baker/coding/blocks/blocks.h"
 #include "baker/coding/blocks/stabbing_set.h"
 
+#ifdef __x86_64__
+#include <immintrin.h>
+#endif
+
 enum {
     PRIVATE_FROM    = 10, /* a tile that needs this many depths gets a private palette */
     NODE_TILE_COUNT = NODE_TILES * NODE_TILES,
@@ -54,18 +58,15 @@ static int run_takes(run_range *run, int32_t low, int32_t high)
 
 /* tiles ----------------------------------------------------------------------------------------------------------------------- */
 
-/* Fetch the columns of a tile, and add the slope. */
-static vxs_result fetch_tile(node_builder *b, tile_in *t, uint32_t tile_x, uint32_t tile_y, int32_t shift)
+/* Set the ranges of a tile with the slope added.   last  greatest exit depth in the map */
+static void take_columns(tile_in *t, const column_tile *columns, int32_t shift, int32_t last_vx)
 {
-    column_tile columns;
-    vxs_result  r = b->columns->tile(b->columns->data, b->tile_x + tile_x, b->tile_y + tile_y, &columns);
-    if (r != VXS_OK) return r;
-    const i32x4 up = i32x4_all(shift), last = i32x4_all((int32_t)b->columns->depth_vx - 1), far = i32x4_all(FAR_DEPTH);
+    const i32x4 up = i32x4_all(shift), last = i32x4_all(last_vx), far = i32x4_all(FAR_DEPTH);
     i32x4       emax = i32x4_all(INT32_MIN), xmin = i32x4_all(INT32_MAX);
     for (int quad = 0; quad < 4; quad++)
         for (int row = 0; row < 4; row++) {
             int   from = 8 * (4 * (quad >> 1) + row) + 4 * (quad & 1), to = 16 * quad + 4 * row;
-            i32x4 e = i32x4_load(columns.e + from) + up, x = i32x4_load(columns.x + from);
+            i32x4 e = i32x4_load(columns->e + from) + up, x = i32x4_load(columns->x + from);
             x    = i32x4_select((i32x4)(x > last), far, x) + up; /* as in exit_depth */
             emax = i32x4_max(emax, e);
             xmin = i32x4_min(xmin, x);
@@ -74,6 +75,52 @@ static vxs_result fetch_tile(node_builder *b, tile_in *t, uint32_t tile_x, uint3
         }
     t->emax = i32x4_greatest(emax);
     t->xmin = i32x4_least(xmin);
+}
+
+#ifdef __x86_64__
+
+CPU_TARGET_AVX2 static ALWAYS_INLINE void put_row(int32_t *to, __m256i row)
+{
+    __m128i left = _mm256_castsi256_si128(row), right = _mm256_extracti128_si256(row, 1);
+    memcpy(to, &left, sizeof left);
+    memcpy(to + 16, &right, sizeof right);
+}
+
+/* The same with 8 lanes. */
+CPU_TARGET_AVX2 static void take_columns_avx2(tile_in *t, const column_tile *columns, int32_t shift, int32_t last_vx)
+{
+    const __m256i up = _mm256_set1_epi32(shift), last = _mm256_set1_epi32(last_vx), far = _mm256_set1_epi32(FAR_DEPTH);
+    __m256i       emax = _mm256_set1_epi32(INT32_MIN), xmin = _mm256_set1_epi32(INT32_MAX);
+    for (int y = 0; y < 8; y++) {
+        __m256i e = _mm256_loadu_si256((const __m256i *)(const void *)(columns->e + 8 * y));
+        __m256i x = _mm256_loadu_si256((const __m256i *)(const void *)(columns->x + 8 * y));
+        e         = _mm256_add_epi32(e, up);
+        x         = _mm256_add_epi32(_mm256_blendv_epi8(x, far, _mm256_cmpgt_epi32(x, last)), up);
+        emax      = _mm256_max_epi32(emax, e);
+        xmin      = _mm256_min_epi32(xmin, x);
+        put_row(t->ranges.low + pattern_texel(0, y), e);
+        put_row(t->ranges.high + pattern_texel(0, y), x);
+    }
+    t->emax = i32x4_greatest((i32x4)_mm_max_epi32(_mm256_castsi256_si128(emax), _mm256_extracti128_si256(emax, 1)));
+    t->xmin = i32x4_least((i32x4)_mm_min_epi32(_mm256_castsi256_si128(xmin), _mm256_extracti128_si256(xmin, 1)));
+}
+
+#endif
+
+/* Fetch the columns of a tile, and add the slope. */
+static vxs_result fetch_tile(node_builder *b, tile_in *t, uint32_t tile_x, uint32_t tile_y, int32_t shift)
+{
+    column_tile columns;
+    int32_t     last_vx = (int32_t)b->columns->depth_vx - 1;
+    vxs_result  r       = b->columns->tile(b->columns->data, b->tile_x + tile_x, b->tile_y + tile_y, &columns);
+    if (r != VXS_OK) return r;
+#ifdef __x86_64__
+    if (b->set->patterns.cpu >= CPU_AVX2) {
+        take_columns_avx2(t, &columns, shift, last_vx);
+        return VXS_OK;
+    }
+#endif
+    take_columns(t, &columns, shift, last_vx);
     return VXS_OK;
 }
 
