@@ -108,7 +108,8 @@ static int settle(const square_maker *w, texel_square at, double enter_most, dou
 /* Settle a square without triangles. */
 static int settle_empty(const square_maker *w, texel_square at)
 {
-    return settle(w, at, depth_none(w->d->scale), depth_none(w->d->scale), 0);
+    set_bounds(w->q, at, bounds_empty(w->d->scale.depth_vx));
+    return 1;
 }
 
 static int settle_large(const square_maker *w, texel_square at, square_bound *bound, square_list *l)

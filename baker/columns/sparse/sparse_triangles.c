@@ -242,9 +242,9 @@ static vxs_result make(maker *w, uint32_t threads)
     free(first);
     w->order = members;
     if (r != VXS_OK || (r = take_masks(w)) != VXS_OK) return r;
-    w->s->all  = pages_alloc((w->s->count + 1) * sizeof *w->s->all);
-    w->s->tags = pages_alloc((w->s->count + 1) * sizeof *w->s->tags);
-    if (!w->s->all || !w->s->tags) return VXS_E_MEMORY;
+    w->s->all = pages_alloc((w->s->count + 1) * (sizeof *w->s->all + sizeof *w->s->tags)); /* one array: it ends on a large page */
+    if (!w->s->all) return VXS_E_MEMORY;
+    w->s->tags = (sparse_tags *)(w->s->all + w->s->count + 1);
     parallel_for(threads, w->s->count, GRAIN, make_triangles, w);
     return VXS_OK;
 }
@@ -272,7 +272,6 @@ vxs_result sparse_triangles_init(sparse_triangles *s, const projection *p, uint3
 void sparse_triangles_free(sparse_triangles *s)
 {
     free(s->all);
-    free(s->tags);
     free(s->uvq);
     free(s->mask_of);
     *s = (sparse_triangles){0};

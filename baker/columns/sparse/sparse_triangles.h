@@ -39,7 +39,7 @@ typedef struct sparse_tags {
 
 typedef struct sparse_triangles {
     size_t           count;
-    sparse_triangle *all;         /* [count] sorted by patch */
+    sparse_triangle *all;         /* [count] sorted by patch; owner of the tags, too */
     sparse_tags     *tags;        /* [count] */
     uint32_t         grid;        /* log2 of subtexels per texel */
     size_t           holed_first; /* triangles [holed_first, count) have holes */
