@@ -14,7 +14,7 @@
 
 /* Welding; see mesh_edges.h.
  *
- *     vertices ---hash of the position---> buckets ---equal---> the first at each position ---in the order of triangles---> welded
+ *     vertices ---hash table---> the first at each position ---in the order of triangles---> welded
  * */
 
 #define XXH_INLINE_ALL
@@ -24,14 +24,17 @@
 
 enum { GRAIN = 1 << 14 };
 
+/* Vertices of a position share a slot of the table, which threads fill without locks: a slot never changes its position, and its
+ * vertex only becomes lower. So the result does not depend on their order. */
 typedef struct welder {
     const double *positions_ws; /* the scene's */
-    uint32_t     *bucket_of;    /* [the scene's vertex_count] equal positions have equal buckets */
-    uint32_t      bucket_mask;
-    uint32_t     *first, *members; /* vertices grouped by bucket, ascending */
-    uint32_t     *alike;           /* [the scene's vertex_count] first vertex at the same position */
-    uint32_t     *welded_as;       /* [the scene's vertex_count] welded vertex of the first vertex at a position, or NONE */
+    uint64_t     *table;        /* [slot_mask + 1] upper half: bits of the hash; lower half: vertex; or EMPTY */
+    size_t        slot_mask;
+    uint32_t     *alike;     /* [the scene's vertex_count] slot of the position, then the first vertex there */
+    uint32_t     *welded_as; /* [the scene's vertex_count] welded vertex of the first vertex at a position, or NONE */
 } welder;
+
+#define EMPTY UINT64_MAX
 
 /* Normalizes -0 to +0. */
 static void take_position(double p[3], const double *positions_ws, size_t vertex)
@@ -39,58 +42,67 @@ static void take_position(double p[3], const double *positions_ws, size_t vertex
     for (int axis = 0; axis < 3; axis++) p[axis] = positions_ws[3 * vertex + (size_t)axis] + 0.0;
 }
 
-static void find_buckets(void *user, size_t begin, size_t end, uint32_t worker)
+static int is_at(const welder *d, uint32_t vertex, const double p[3])
 {
-    welder *d = user;
-    double  p[3];
-    (void)worker;
-    for (size_t v = begin; v < end; v++) {
-        take_position(p, d->positions_ws, v);
-        d->bucket_of[v] = (uint32_t)XXH3_64bits(p, sizeof p) & d->bucket_mask;
+    double q[3];
+    take_position(q, d->positions_ws, vertex);
+    return !memcmp(p, q, sizeof q);
+}
+
+/* Returns the slot of a vertex. */
+static size_t insert(const welder *d, uint32_t vertex)
+{
+    double p[3];
+    take_position(p, d->positions_ws, vertex);
+    uint64_t hash = XXH3_64bits(p, sizeof p), own = hash >> 32 << 32 | vertex;
+    for (size_t slot = hash & d->slot_mask;; slot = (slot + 1) & d->slot_mask) {
+        uint64_t there = __atomic_load_n(&d->table[slot], __ATOMIC_RELAXED);
+        while (there == EMPTY || there >> 32 == own >> 32) {
+            if (there != EMPTY && !is_at(d, (uint32_t)there, p)) break;
+            if (there <= own) return slot;
+            if (__atomic_compare_exchange_n(&d->table[slot], &there, own, 1, __ATOMIC_RELAXED, __ATOMIC_RELAXED)) return slot;
+        }
     }
 }
 
-/* Move the first vertices of each position to the front of their bucket, and compare the others with these; there are few. */
-static void match_buckets(void *user, size_t begin, size_t end, uint32_t worker)
+static void clear_slots(void *user, size_t begin, size_t end, uint32_t worker)
 {
     welder *d = user;
-    double  p[3], q[3];
     (void)worker;
-    for (size_t bucket = begin; bucket < end; bucket++) {
-        uint32_t *front = d->members + d->first[bucket], *back = front;
-        for (uint32_t *v = front; v < d->members + d->first[bucket + 1]; v++) {
-            uint32_t *like = front;
-            take_position(p, d->positions_ws, *v);
-            for (; like < back; like++) {
-                take_position(q, d->positions_ws, *like);
-                if (!memcmp(p, q, sizeof p)) break;
-            }
-            if (like == back) *back++ = *v;
-            d->alike[*v] = *like;
-        }
-    }
+    memset(d->table + begin, 0xff, (end - begin) * sizeof *d->table);
+}
+
+static void insert_some(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    welder *d = user;
+    (void)worker;
+    for (size_t v = begin; v < end; v++) d->alike[v] = (uint32_t)insert(d, (uint32_t)v);
+}
+
+static void look_up_some(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    welder *d = user;
+    (void)worker;
+    for (size_t v = begin; v < end; v++) d->alike[v] = (uint32_t)d->table[d->alike[v]];
 }
 
 /* Find vertices at equal positions. */
 static vxs_result find_alike(welder *d, size_t vertex_count, uint32_t threads)
 {
-    size_t buckets = 16;
-    while (4 * buckets < vertex_count) buckets *= 2;
-    d->bucket_mask = (uint32_t)(buckets - 1);
-    d->bucket_of   = pages_alloc((vertex_count + 1) * sizeof *d->bucket_of);
-    d->first       = pages_alloc((buckets + 1) * sizeof *d->first);
-    d->members     = pages_alloc((vertex_count + 1) * sizeof *d->members);
-    d->alike       = pages_alloc((vertex_count + 1) * sizeof *d->alike);
-    if (!d->bucket_of || !d->first || !d->members || !d->alike) return VXS_E_MEMORY;
-    parallel_for(threads, vertex_count, GRAIN, find_buckets, d);
-    vxs_result r = group_by_key(d->first, d->members, d->bucket_of, vertex_count, buckets, threads);
-    if (r == VXS_OK) parallel_for(threads, buckets, GRAIN / 4, match_buckets, d);
-    free(d->members);
-    free(d->first);
-    d->members = d->first = NULL;
-    d->welded_as          = d->bucket_of; /* reuses the memory of bucket_of */
-    d->bucket_of          = NULL;
-    return r;
+    uint64_t slots = 16;
+    while (2 * slots < 3 * (uint64_t)vertex_count) slots *= 2;
+    if (slots > UINT32_MAX || slots > SIZE_MAX / sizeof *d->table) return VXS_E_MEMORY;
+    d->slot_mask = (size_t)slots - 1;
+    d->table     = pages_alloc((size_t)slots * sizeof *d->table);
+    d->alike     = pages_alloc((vertex_count + 1) * sizeof *d->alike);
+    if (!d->table || !d->alike) return VXS_E_MEMORY;
+    parallel_for(threads, (size_t)slots, GRAIN, clear_slots, d);
+    parallel_for(threads, vertex_count, GRAIN, insert_some, d);
+    parallel_for(threads, vertex_count, GRAIN, look_up_some, d);
+    free(d->table);
+    d->table     = NULL;
+    d->welded_as = pages_alloc((vertex_count + 1) * sizeof *d->welded_as);
+    return d->welded_as ? VXS_OK : VXS_E_MEMORY;
 }
 
 static int is_finite(const double p[3])
@@ -162,9 +174,7 @@ vxs_result mesh_weld_scene(mesh_weld *w, const scene *s, uint32_t threads, run_c
         fail(m, r, "out of memory while welding %zu triangles", s->triangle_count);
     }
 
-    free(d.bucket_of);
-    free(d.first);
-    free(d.members);
+    free(d.table);
     free(d.alike);
     free(d.welded_as);
 
