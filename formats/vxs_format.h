@@ -75,6 +75,7 @@
 /* How the pages of palette blocks are stored */
 #define VXS_PACKING_SMALL 0u /* coded with adaptive odds, vxs.md 14.1 to 14.8 */
 #define VXS_PACKING_FAST  1u /* words compressed by zstd, 14.10 */
+#define VXS_PACKING_FINE  2u /* the same with more contexts, for fine maps, 14.11 */
 
 /* vxs.md section 14: the pages of palette blocks */
 #define VXS_PAGES_PREFIX_BYTES 8

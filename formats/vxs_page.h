@@ -52,13 +52,14 @@ typedef struct vxs_common {
     /* halves of the pool where patterns start, ordered by kind, then by position */
     const uint32_t *patterns;
     uint32_t        first[VXS_PATTERN_KINDS + 1]; /* patterns of kind p are first[p]..first[p + 1] - 1 */
+    uint32_t        packing;                      /* of the pages: VXS_PACKING_SMALL or VXS_PACKING_FINE */
 } vxs_common;
 
 /* Working memory for decoding: of the size below, aligned to 16 bytes, one for each thread, never part of a result. It can
  * be used for any number of pages, one at a time, and needs no initialization or release. */
 typedef struct vxs_page_scratch vxs_page_scratch;
 
-/* Size of vxs_page_scratch, some 360 KiB. */
+/* Size of vxs_page_scratch, some 460 KiB. */
 size_t vxs_page_scratch_bytes(void);
 
 /* Number of words of the page that these bytes encode, 1..VXS_PAGE_WORDS_MAX; 0: too few bytes. */

@@ -22,6 +22,8 @@ enum {
     LATELY_KEPT  = 64, /* number of patterns of planes used last */
     COLUMNS_KEPT = 64, /* columns, and rows, of squares with a stored border */
     BORDERS_KEPT = 1024,
+    PATTERN_SETS = 1024, /* contexts of patterns */
+    USED_SETS    = 8192, /* contexts of the entries that a tile uses */
 };
 
 struct vxs_page_scratch {
@@ -32,6 +34,8 @@ struct vxs_page_scratch {
     uint32_t  border_ref[BORDERS_KEPT];                      /* ref + 1; 0: none */
     uint16_t  chunk[LISTS][VXS_PAGE_WORDS_MAX / LIST_CHUNK]; /* chunks of the lists of vxs_page_tiles.h */
     uint16_t  listed[VXS_PAGE_WORDS_MAX + LISTS * LIST_CHUNK];
+    /* sets of vxs_page_tiles.h: words of tiles, as in lists; entries + 1 */
+    _Alignas(16) uint16_t pattern_set[PATTERN_SETS][PATTERN_LANES], used_set[USED_SETS][USED_LANES];
 };
 
 /* Kind of the record that a plane belongs to. */
@@ -57,7 +61,9 @@ typedef struct walk {
     const vxs_common *common;
     /* entries in each list; chunks in use */
     uint32_t          listed[LISTS], chunks;
-    int32_t           slope_x, slope_y;                                                            /* of the last node */
+    int               fine;             /* whether the page is of VXS_PACKING_FINE */
+    uint32_t          last_shift;       /* of a palette */
+    int32_t           slope_x, slope_y; /* of the last node */
     sheet sheet_above[NODE_PX / TILE_PX], sheet_left[NODE_PX / TILE_PX], last_plane, last_private; /* of a block, of a pattern */
     const uint32_t *source;       /* [word_count] encoder only, like the next two: the page to code */
     uint32_t       *pattern_rank; /* [2^18] by ref: rank in its list, + 1; 0: not in the list yet */
@@ -173,6 +179,32 @@ PAGE_CALL int32_t least_border_depth(const walk *w, uint32_t x0, uint32_t y0, ui
         if (a < least && a != (int16_t)NEVER) least = a;
     }
     return least;
+#endif
+}
+
+/* The greatest of these depths of a block, as far as they are not NEVER; INT16_MIN: none. */
+PAGE_CALL int32_t greatest_border_depth(const walk *w, uint32_t x0, uint32_t y0)
+{
+#ifdef PAGE_SSE2
+    __m128i most = _mm_set1_epi16(INT16_MIN), never = _mm_set1_epi16(-1);
+    for (uint32_t k = 0; k < BLOCK_PX; k += 8) {
+        __m128i l = _mm_loadu_si128((const __m128i *)(w->left + y0 + k)),
+                a = _mm_loadu_si128((const __m128i *)(w->above + 8 + x0 + k));
+        l         = _mm_xor_si128(l, _mm_srli_epi16(_mm_cmpeq_epi16(l, never), 1)); /* -1 ^ 32767 is INT16_MIN */
+        a         = _mm_xor_si128(a, _mm_srli_epi16(_mm_cmpeq_epi16(a, never), 1));
+        most      = _mm_max_epi16(most, _mm_max_epi16(l, a));
+    }
+    most = _mm_max_epi16(most, _mm_srli_si128(most, 8));
+    most = _mm_max_epi16(most, _mm_srli_si128(most, 4));
+    return (int16_t)_mm_cvtsi128_si32(_mm_max_epi16(most, _mm_srli_si128(most, 2)));
+#else
+    int32_t most = INT16_MIN;
+    for (uint32_t k = 0; k < BLOCK_PX; k++) {
+        int32_t l = w->left[y0 + k], a = w->above[8 + x0 + k];
+        if (l > most && l != (int16_t)NEVER) most = l;
+        if (a > most && a != (int16_t)NEVER) most = a;
+    }
+    return most;
 #endif
 }
 

@@ -69,7 +69,7 @@ vxs_result vxs_resident_decode(vxs_resident *out, uint32_t levels, uint32_t map_
     memset(out->words, 0, sizes.word_count * sizeof *out->words);
     if (!code_resident(&r, NULL)) return VXS_E_CORRUPT;
     if (r.w.c.in != end || r.w.c.now != STATE_LEAST || r.w.c.next != STATE_LEAST) return VXS_E_CORRUPT;
-    out->common = (vxs_common){out->words + out->words[1], r.w.half - 2 * out->words[1], out->patterns, {0}};
+    out->common = (vxs_common){out->words + out->words[1], r.w.half - 2 * out->words[1], out->patterns, {0}, 0};
     memcpy(out->common.first, r.first, sizeof r.first);
     return VXS_OK;
 }

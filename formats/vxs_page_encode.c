@@ -190,7 +190,7 @@ vxs_result vxs_common_index(vxs_common *common, uint32_t *patterns, const uint8_
 {
     walk     w                           = {.source = words, .word_count = (half_count + 1) / 2};
     uint32_t next[VXS_PATTERN_KINDS + 1] = {0}, half = 0;
-    *common = (vxs_common){words, half_count, patterns, {0}};
+    *common = (vxs_common){words, half_count, patterns, {0}, 0};
     for (uint32_t n = 0; n < pattern_count; n++) {
         if (kinds[n] >= VXS_PATTERN_KINDS || kinds[n] == 1) return VXS_E_ARGUMENT;
         for (uint32_t k = kinds[n] + 1u; k <= VXS_PATTERN_KINDS; k++) common->first[k]++;

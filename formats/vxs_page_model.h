@@ -31,8 +31,24 @@
 
 /* blocks: new ones, and known ones ---------------------------------------------------------------------------------------------- */
 
+/* The last delta of a palette, if it leads to a depth beside the block: to the greatest one, the lowest one on the left, or the last
+ * one above. 0: it does not.   last  the delta before;   value  the delta, for the encoder */
+static uint32_t code_last_depth(walk *w, int32_t base, uint32_t shift, uint32_t last, uint32_t value, uint32_t end, uint32_t x0,
+                                uint32_t y0)
+{
+    int32_t from[3] = {(int16_t)(greatest_border_depth(w, x0, y0) - base), (int16_t)(w->left[y0 + BLOCK_PX - 1] - base),
+                       (int16_t)(w->above[8 + x0 + BLOCK_PX - 1] - base)}; /* the base */
+    if (from[0] <= (int32_t)(last << shift)) return 0;
+    uint32_t k = (uint32_t)(from[1] == from[0]) + 2 * (uint32_t)(from[2] == from[0]), place = 0;
+    while (PAGE_ENCODING && place < 3 && from[place] != (int32_t)(value << shift)) place++;
+    place = code_nibble(&w->c, &w->odds->last_depth[k], place < 3 ? place : 15);
+    if (place >= 3) return 0;
+    int32_t delta = from[place] >> shift;
+    return delta > (int32_t)last && delta < (int32_t)end && delta * (1 << shift) == from[place] ? (uint32_t)delta : ~0u;
+}
+
 /* The palette: number of entries, width of the deltas, and the deltas.   delta  [entries - 1] out, as stored */
-static int code_palette(walk *w, block *b, uint32_t *form, uint32_t *delta)
+static int code_palette(walk *w, block *b, uint32_t *form, uint32_t *delta, uint32_t x0, uint32_t y0)
 {
     coder     *c    = &w->c;
     page_odds *odds = w->odds;
@@ -41,7 +57,9 @@ static int code_palette(walk *w, block *b, uint32_t *form, uint32_t *delta)
     if (b->entries > PALETTE_MAX) return 0;
     b->class       = b->entries <= 2 ? b->entries - 1 : b->entries < 5 ? 2 : b->entries < 9 ? 3 : 4;
     uint32_t shift = head >> 4 & 15, width = head >> 8 & 3, far = head >> 10 & 1;
-    uint32_t simple = code_nibble(c, &odds->delta_form[b->entries == 1], width || far || shift == 15 ? 15 : shift);
+    uint32_t like = w->fine ? b->class : 0, last_shift = !w->fine ? 0 : w->last_shift < 3 ? w->last_shift : 3;
+    uint32_t simple =
+        code_nibble(c, &odds->delta_form[b->entries == 1 ? 5 : like][last_shift], width || far || shift == 15 ? 15 : shift);
     if (simple == 15) {
         shift = code_nibble(c, &odds->delta_shift, shift);
         width = code_nibble(c, &odds->delta_width, width | far << 2);
@@ -52,19 +70,25 @@ static int code_palette(walk *w, block *b, uint32_t *form, uint32_t *delta)
         shift = simple;
         width = far = 0;
     }
+    if (b->entries > 1) w->last_shift = shift;
     b->far       = far;
     *form        = (b->entries - 1) | shift << 4 | width << 8 | far << 10;
     uint32_t end = width == 0 ? 1 << 8 : width == 1 ? 1 << 16 : DEPTH_END;
     b->depth[0]  = (int16_t)b->base;
     for (uint32_t n = 1; n < 16; n++) b->depth[n] = 0;
+    uint32_t step = 0;
     for (uint32_t n = 0; n + 1 < b->entries; n++) {
-        uint32_t value = 0;
+        uint32_t value = 0, is_last = n + 2 == b->entries;
         if (PAGE_ENCODING) {
             uint32_t at = b->from_tiles + count_bits(source_word(w, b->from) & 0xffff), byte = n << width;
             value = source_word(w, at + byte / 4) >> 8 * (byte & 3) & (width == 0 ? 0xff : width == 1 ? 0xffff : ~0u);
             if (value <= last || value >= end) return 0;
         }
-        value = code_step(c, width == 2 ? &odds->delta_wide : &odds->delta[shift][n > 0], odds->round, last, value - last - 1);
+        uint32_t kind = w->fine ? 7 * (2 * (shift < 3 ? shift : 3) + is_last) + (step < 6 ? step : 6) : 2 * shift + (n > 0);
+        uint32_t met  = is_last && width < 2 && w->fine ? code_last_depth(w, b->base, shift, last, value, end, x0, y0) : 0;
+        value         = met ? met - last - 1
+                            : code_step(c, width == 2 ? &odds->delta_wide : &odds->delta[kind], odds->round, last, value - last - 1);
+        step          = value + 1;
         if (value >= end - 1 - last || (uint64_t)(last + value + 1) << shift >= DEPTH_END) return 0;
         delta[n]        = last += value + 1;
         b->depth[n + 1] = (int16_t)(b->base + (int32_t)(last << shift));
@@ -131,7 +155,7 @@ static int code_block(walk *w, block *b, uint32_t x0, uint32_t y0)
         b->on = 0xffff;
         for (uint32_t t = 0; t < 16; t++)
             draw_sheet(w, sheet_from(b->sheet, 8 * (int32_t)(t & 3), 8 * (int32_t)(t >> 2)), x0 + 8 * (t & 3), y0 + 8 * (t >> 2));
-    } else if (!code_palette(w, b, &form, delta) || !code_tiles(w, b, x0, y0))
+    } else if (!code_palette(w, b, &form, delta, x0, y0) || !code_tiles(w, b, x0, y0))
         return 0;
     uint32_t width = form >> 8 & 3, at = b->tiles + b->mixed_count, byte = 4 * at, owns = b->far ? count_bits(b->own) : 0;
     uint32_t bytes = ((b->entries - 1) << width) + (b->fresh_count + 1) / 2;
@@ -237,7 +261,8 @@ static int code_block_of(walk *w, int wide, uint32_t x0, uint32_t y0, uint32_t *
     uint32_t by_plane = b.plane.tiles == ON_NONE ? 0 : met ? 2 : b.plane.tiles == ON_ALL, high = 0;
     int32_t  least = least_border_depth(w, x0, y0, BLOCK_PX), like = least == INT16_MAX ? 0 : least;
     if (by_plane) like = met ? base_by_plane(w, &b.plane, x0, y0) : (int32_t)b.plane.least >> 8;
-    uint32_t off = (uint32_t)code_signed(&w->c, &w->odds->base[by_plane], (int16_t)(*base - (uint32_t)like));
+    uint32_t k   = w->fine ? varied(w->left + y0, BLOCK_PX) + 2 * varied(w->above + 8 + x0, BLOCK_PX) : 0;
+    uint32_t off = (uint32_t)code_signed(&w->c, &w->odds->base[by_plane][k], (int16_t)(*base - (uint32_t)like));
     if (wide) high = code_number(&w->c, &w->odds->high, *base >> 16);
     *base = (((uint32_t)like + off) & 0xffff) | high << 16;
     if (!(high < DEPTH_END >> 16)) return 0;
@@ -285,14 +310,23 @@ static uint64_t code_node_mixed(walk *w, uint64_t source)
     return mixed;
 }
 
+/* Which depths are alike on the left of a block, above it, at its corner, and behind those above it. */
+static uint32_t corner_context(const walk *w, int16_t corner, uint32_t x0, uint32_t y0)
+{
+    int16_t left = w->left[y0], above = w->above[8 + x0], behind = w->above[8 + x0 + BLOCK_PX];
+    if (!w->fine) return 0;
+    return (uint32_t)(corner == left) + 2 * (uint32_t)(corner == above) + (behind == above ? 0 : behind == left ? 4 : 8);
+}
+
 /* Depth of a uniform block.   last  depth of the previous uniform block */
-static uint32_t code_uniform_block(walk *w, int wide, uint32_t last, uint32_t depth, uint32_t x0, uint32_t y0)
+static uint32_t code_uniform_block(walk *w, int wide, uint32_t last, uint32_t depth, int16_t corner, uint32_t x0, uint32_t y0)
 {
     uint32_t left = (uint16_t)w->left[y0], above = (uint16_t)w->above[8 + x0], low = depth & 0xffff, high = 0, symbol = 0;
     uint32_t k =
         (left == above) | (uint32_t)((last & 0xffff) == left || (last & 0xffff) == above) << 1 | (uint32_t)(left == NEVER) << 2;
     if (PAGE_ENCODING) symbol = low == left ? 0 : low == above ? 1 : low == (last & 0xffff) ? 2 : low == NEVER ? 3 : 4;
-    symbol = code_nibble(&w->c, &w->odds->depth_like[k], symbol);
+    if (w->fine) k += 8 * (uint32_t)((last & 0xffff) == left);
+    symbol = code_nibble(&w->c, &w->odds->depth_like[k][corner_context(w, corner, x0, y0)], symbol);
     if (symbol >= 4) {
         uint32_t like = left != NEVER ? left : above != NEVER ? above : 0;
         low           = (like + (uint32_t)code_signed(&w->c, &w->odds->depth, (int16_t)(low - like))) & 0xffff;
@@ -329,9 +363,12 @@ static int code_node(walk *w, const vxs_page_node *node)
 
     uint32_t ref_at = 2 * start + NODE_HALVES, base_at = ref_at + mixed_count, depth_at = base_at + size * mixed_count;
     uint32_t depth_end = depth_at + size * fresh_count, last = 0, met = 0;
-    fresh = 0;
+    int16_t  next_corner = 0;
+    fresh                = 0;
     for (uint32_t n = 0; n < 64; n++) {
         uint32_t x0 = n % 8 * BLOCK_PX, y0 = n / 8 * BLOCK_PX;
+        int16_t  corner = n % 8 ? next_corner : w->left[y0];
+        next_corner     = w->above[8 + x0 + BLOCK_PX - 1];
         if (mixed >> n & 1) {
             uint32_t at = from + (ref_at - 2 * start), ref = source_half(w, at), base_half = from + (base_at - 2 * start);
             uint32_t base = source_half(w, base_half) | (wide ? source_half(w, base_half + 1) << 16 : 0);
@@ -345,7 +382,7 @@ static int code_node(walk *w, const vxs_page_node *node)
             uint32_t fresh_here = source_half(w, from + 4 + n / 16) >> n % 16 & 1, at = from + (depth_at - 2 * start);
             depth = fresh_here ? source_half(w, at) | (wide ? source_half(w, at + 1) << 16 : 0) : last;
         }
-        depth = code_uniform_block(w, wide, last, depth, x0, y0);
+        depth = code_uniform_block(w, wide, last, depth, corner, x0, y0);
         draw_uniform(w, x0, y0, BLOCK_PX, (int16_t)depth);
         if (met && depth == last) continue;
         if (wide && depth >= DEPTH_END && depth != ~0u) return 0;
@@ -373,6 +410,9 @@ static void start_page(walk *w)
     memset(w->s->below_of, 0, sizeof w->s->below_of);
     memset(w->s->right_of, 0, sizeof w->s->right_of);
     memset(w->s->border_ref, 0, sizeof w->s->border_ref);
+    memset(w->s->pattern_set, 0, sizeof w->s->pattern_set);
+    memset(w->s->used_set, 0, sizeof w->s->used_set);
+    w->fine = w->common->packing == VXS_PACKING_FINE;
     w->half = 2 * w->node_words;
 }
 

@@ -9,6 +9,9 @@
 
 /* numbers: of any size, steps to a number that is probably round, signed -------------------------------------------------------- */
 
+/* Values that a set of vxs_page_tiles.h has; of patterns one less. */
+enum { PATTERN_LANES = 16, USED_LANES = 4 };
+
 enum { NUMBER_LONG = 15, SIGNED_MOST = (1 << 28) - 1 /* greatest signed number */ };
 
 typedef struct number_odds {
@@ -86,16 +89,16 @@ typedef struct plane_odds {
 /* Consists only of nibble_odds, so that it can be used as one array. */
 typedef struct page_odds {
     /* nodes */
-    nibble_odds node_mixed[64], depth_like[8];
+    nibble_odds node_mixed[64], depth_like[16][12];
     nibble_odds wide, same_slope, no_slope;
     signed_odds slope, depth;
     number_odds high, fresh_count;
     /* blocks */
     nibble_odds block_found[5];
     number_odds block;
-    signed_odds base[3];
-    nibble_odds entries[5], delta_form[2], delta_shift, delta_width;
-    number_odds delta[16][2], delta_wide;
+    signed_odds base[3][4];
+    nibble_odds entries[5], delta_form[6][4], delta_shift, delta_width, last_depth[4];
+    number_odds delta[56], delta_wide;
     nibble_odds round[13], private_round[13];
     nibble_odds block_mixed[5][64], index[5][3];
     nibble_odds on_plane[9], plane_like[9], row_on_plane[64], row_mixed[5][16], least_zeros[2];
@@ -103,6 +106,7 @@ typedef struct page_odds {
     signed_odds plane_least[2][3];
     /* tiles */
     nibble_odds used[4][256]; /* [entries left if fewer than four, else 0] */
+    nibble_odds used_again[2][USED_LANES], pattern_again[4][PATTERN_LANES];
     number_odds pattern[VXS_PATTERN_KINDS], common[VXS_PATTERN_KINDS];
     signed_odds private_base[3];
     /* patterns */

@@ -82,12 +82,87 @@ static int code_from_common(walk *w, uint32_t kind, uint32_t *ref)
     return 1;
 }
 
-/* A pattern that is already in the list, by its rank. 0: invalid. */
-static int use_pattern(walk *w, uint32_t kind, uint32_t place, uint32_t *ref)
+/* A pattern that is already in the list, by its rank. Returns the word of the first tile with it; 0: invalid. */
+static uint32_t use_pattern(walk *w, uint32_t kind, uint32_t place, uint32_t *ref)
 {
     if (place >= w->listed[kind]) return 0;
-    *ref = w->words[list_use(w, kind, place)] >> 14;
-    return 1;
+    uint32_t word = list_use(w, kind, place);
+    *ref          = w->words[word] >> 14;
+    return word;
+}
+
+/* sets: what tiles had last in a context, the last one first; then zeros ------------------------------------------------------------ */
+
+/* The number of the context of two numbers. */
+PAGE_INLINE uint32_t set_of(uint64_t a, uint64_t b, uint32_t bits)
+{
+    return (uint32_t)((a * 0x9e3779b97f4a7c15u + b * 0xc2b2ae3d27d4eb4fu) >> (64 - bits));
+}
+
+/* Both functions are without branches on what is in the set, because it is hard to predict.   lanes  USED_LANES or PATTERN_LANES */
+PAGE_INLINE uint32_t set_size(const uint16_t *set, uint32_t lanes)
+{
+#ifdef PAGE_SSE2
+    const __m128i *from = (const __m128i *)set, none = _mm_setzero_si128();
+    if (lanes == USED_LANES) return page_first_bit((uint32_t)_mm_movemask_epi8(_mm_cmpeq_epi16(_mm_loadl_epi64(from), none))) / 2;
+    __m128i zeros = _mm_packs_epi16(_mm_cmpeq_epi16(_mm_load_si128(from), none), _mm_cmpeq_epi16(_mm_load_si128(from + 1), none));
+    return page_first_bit((uint32_t)_mm_movemask_epi8(zeros));
+#else
+    uint32_t size = 0;
+    for (uint32_t n = 0; n < lanes; n++) size += set[n] != 0;
+    return size;
+#endif
+}
+
+/* Put a value in front; those before this place move by one. */
+PAGE_INLINE void set_first(uint16_t *set, uint32_t lanes, uint32_t place, uint32_t value)
+{
+#ifdef PAGE_SSE2
+    __m128i *at = (__m128i *)set, last = _mm_set1_epi16((int16_t)place), lane = _mm_set_epi16(7, 6, 5, 4, 3, 2, 1, 0);
+    __m128i  a = lanes == USED_LANES ? _mm_loadl_epi64(at) : _mm_load_si128(at), stays = _mm_cmpgt_epi16(lane, last);
+    __m128i  moved = _mm_or_si128(_mm_slli_si128(a, 2), _mm_cvtsi32_si128((int)value));
+    moved          = _mm_or_si128(_mm_and_si128(stays, a), _mm_andnot_si128(stays, moved));
+    if (lanes == USED_LANES) {
+        _mm_storel_epi64(at, moved);
+        return;
+    }
+    __m128i b = _mm_load_si128(at + 1), stays_b = _mm_cmpgt_epi16(_mm_add_epi16(lane, _mm_set1_epi16(8)), last);
+    __m128i moved_b = _mm_or_si128(_mm_slli_si128(b, 2), _mm_srli_si128(a, 14));
+    _mm_store_si128(at, moved);
+    _mm_store_si128(at + 1, _mm_or_si128(_mm_and_si128(stays_b, b), _mm_andnot_si128(stays_b, moved_b)));
+#else
+    (void)lanes;
+    for (; place; place--) set[place] = set[place - 1];
+    set[0] = (uint16_t)value;
+#endif
+}
+
+/* A value that is in the set; it becomes the first one. 0: another value, which set_add then adds.
+ * odds  by the number of values in the set - 1 */
+PAGE_INLINE uint32_t code_again(coder *c, uint16_t *set, uint32_t lanes, nibble_odds *odds, uint32_t value)
+{
+    uint32_t size = set_size(set, lanes), place = 0;
+    if (!size) return 0;
+    while (PAGE_ENCODING && place < size && set[place] != value) place++;
+    place = code_nibble_here(c, odds + size - 1, place < size ? place : 15);
+    if (place >= size) return 0;
+    value = set[place];
+    set_first(set, lanes, place, value);
+    return value;
+}
+
+/* A full set loses its last value.   most  number of values that it may have */
+PAGE_INLINE void set_add(uint16_t *set, uint32_t lanes, uint32_t most, uint32_t value)
+{
+    uint32_t size = set_size(set, lanes);
+    set_first(set, lanes, size < most ? size : most - 1, value);
+}
+
+/* The word of the first tile with a pattern that is in the list; else that of this tile. Encoder only. */
+static uint32_t find_word(const walk *w, uint32_t kind, uint32_t ref)
+{
+    uint32_t place = find_pattern(w, kind, ref);
+    return place > 1 ? *list_at(w, kind, place - 2) : w->tile;
 }
 
 /* The pattern of a tile over the block palette. 0: invalid page.
@@ -95,15 +170,31 @@ static int use_pattern(walk *w, uint32_t kind, uint32_t place, uint32_t *ref)
  * ref    in: in the source */
 static int code_pattern(walk *w, uint32_t kind, const int16_t *depth, uint32_t *ref, uint32_t x0, uint32_t y0)
 {
-    uint32_t place = code_number(&w->c, &w->odds->pattern[kind], PAGE_ENCODING ? find_pattern(w, kind, *ref) : 0);
-    if (place == 1) return code_from_common(w, kind, ref);
-    if (place) return use_pattern(w, kind, place - 2, ref);
+    uint8_t              border[16], left[8];
     _Alignas(16) uint8_t index[64];
-    uint32_t             half = w->half;
-    if (PAGE_ENCODING && !read_source(w, *ref, kind, index)) return 0;
-    if (!code_image(w, depth, kind, x0, y0, index) || !put_pattern(w, index, kind)) return 0;
-    add_pattern(w, kind, *ref = half);
-    keep_border(w, half, index);
+    border_indices(w, depth, kind, x0, y0, border, left);
+    uint16_t *set = w->s->pattern_set[set_of(vxs_load64(border + 2), vxs_load64(left) + kind, 10)];
+    if (w->fine) {
+        nibble_odds *odds = w->odds->pattern_again[kind < 5 ? kind - 2 : 3];
+        uint32_t     word = code_again(&w->c, set, PATTERN_LANES, odds, PAGE_ENCODING ? find_word(w, kind, *ref) : 0);
+        if (word) {
+            *ref = w->words[word] >> 14;
+            return count_bits(w->words[word] & 0x3fff) == kind;
+        }
+    }
+    uint32_t place = code_number(&w->c, &w->odds->pattern[kind], PAGE_ENCODING ? find_pattern(w, kind, *ref) : 0), word = w->tile;
+    if (place == 1) {
+        if (!code_from_common(w, kind, ref)) return 0;
+    } else if (place) {
+        if (!(word = use_pattern(w, kind, place - 2, ref))) return 0;
+    } else {
+        uint32_t half = w->half;
+        if (PAGE_ENCODING && !read_source(w, *ref, kind, index)) return 0;
+        if (!code_indices(w, border, left, kind, index) || !put_pattern(w, index, kind)) return 0;
+        add_pattern(w, kind, *ref = half);
+        keep_border(w, half, index);
+    }
+    if (w->fine) set_add(set, PATTERN_LANES, PATTERN_LANES - 1, word);
     return 1;
 }
 
@@ -148,7 +239,8 @@ static void remember_planes(walk *w, uint32_t ref, uint32_t x0, uint32_t y0)
 static int code_found(walk *w, uint32_t *ref, uint32_t found, uint32_t place, uint32_t left, uint32_t above)
 {
     if (found == FOUND_COMMON) return code_from_common(w, KIND_PRIVATE, ref);
-    if (found == FOUND_LISTED) return use_pattern(w, KIND_PRIVATE, code_number(&w->c, &w->odds->pattern[KIND_PRIVATE], place), ref);
+    if (found == FOUND_LISTED)
+        return use_pattern(w, KIND_PRIVATE, code_number(&w->c, &w->odds->pattern[KIND_PRIVATE], place), ref) != 0;
     uint32_t name = found == FOUND_LEFT ? left : above;
     if (found == FOUND_LATELY) {
         place = code_number(&w->c, &w->odds->private_lately, place);
@@ -226,8 +318,16 @@ static int code_uniform_tile(walk *w, block *b, uint32_t t, uint32_t x0, uint32_
 /* Which palette entries a tile uses; 0: none, it has a private-palette pattern. */
 static uint32_t code_used(walk *w, const block *b, uint32_t t, uint32_t value, uint32_t x0, uint32_t y0)
 {
-    coder    c    = w->c;
-    uint32_t left = depths_met(b->depth, b->entries, w->left + y0), above = depths_met(b->depth, b->entries, w->above + 8 + x0);
+    coder     c    = w->c;
+    uint32_t  left = depths_met(b->depth, b->entries, w->left + y0), above = depths_met(b->depth, b->entries, w->above + 8 + x0);
+    uint16_t *set = w->fine && b->entries > 4 ? w->s->used_set[set_of(left, above + (b->entries << 16), 13)] : NULL;
+    if (set) {
+        uint32_t again = code_again(&c, set, USED_LANES, w->odds->used_again[b->entries > 8], value + 1);
+        if (again) {
+            w->c = c;
+            return again - 1;
+        }
+    }
     uint32_t tiles = (t & 3 ? b->used[t - 1] : 0u) | (t > 3 ? b->used[t - 4] : 0u), either = left | above, used = 0;
     uint32_t span =
         /* from the first to the last entry in the borders */
@@ -238,6 +338,7 @@ static uint32_t code_used(walk *w, const block *b, uint32_t t, uint32_t value, u
         used |= code_nibble(&c, &w->odds->used[more < 4 ? more : 0][k], value >> n & 15) << n;
     }
     w->c = c;
+    if (set) set_add(set, USED_LANES, USED_LANES, used + 1);
     return used;
 }
 

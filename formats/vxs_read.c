@@ -159,9 +159,9 @@ static void check_light(vxs_reader *r, const vxs_light *light, const uint8_t *re
     if (light->coding != VXS_CODING_DAG && light->coding != VXS_CODING_BLOCKS) vxs_found(r, 309, section, at + VXS_LIGHT_CODING);
     if (!has_blocks(r) && vxs_load32(record + VXS_LIGHT_CODING)) vxs_found(r, 307, section, at + VXS_LIGHT_CODING);
     uint32_t packing = vxs_load32(record + VXS_LIGHT_PACKING); /* of palette blocks */
-    if (packing != VXS_PACKING_SMALL && light->coding != VXS_CODING_BLOCKS)
+    if (packing && light->coding != VXS_CODING_BLOCKS)
         vxs_found(r, 307, section, at + VXS_LIGHT_PACKING);
-    else if (packing != VXS_PACKING_SMALL && packing != VXS_PACKING_FAST)
+    else if (packing > VXS_PACKING_FINE)
         vxs_found(r, 310, section, at + VXS_LIGHT_PACKING);
     if (!zeros(record + VXS_LIGHT_RESERVED, VXS_LIGHT_NAME - VXS_LIGHT_RESERVED))
         vxs_found(r, 307, section, at + VXS_LIGHT_RESERVED);

@@ -174,7 +174,7 @@ static vxs_result join_pages(vxs_bytes *content, const vxs_blocks_view *view, co
 
 vxs_result vxs_write_blocks(vxs_sections *s, const vxs_blocks_view *view, const vxs_light *light, uint32_t number)
 {
-    if (!in_order(view) || view->packing > VXS_PACKING_FAST) return VXS_E_ARGUMENT;
+    if (!in_order(view) || view->packing > VXS_PACKING_FINE) return VXS_E_ARGUMENT;
     vxs_bytes      resident = {0}, pages = {0};
     vxs_page_nodes known = {0};
     vxs_common     common;
@@ -189,6 +189,7 @@ vxs_result vxs_write_blocks(vxs_sections *s, const vxs_blocks_view *view, const 
     if (r == VXS_OK)
         r = vxs_resident_encode_nodes(&resident, &known, view->words, page_start(view, 0), light->levels, vxs_map_count(light),
                                       &common);
+    common.packing = view->packing;
     if (r == VXS_OK) {
         uint32_t     count = view->words[PAGE_COUNT_WORD];
         page_encoder e     = {.view       = view,

@@ -33,7 +33,7 @@ typedef enum behind_choice { BEHIND_SHADOW, BEHIND_FREE } behind_choice;
 /* Coding of a light's maps, in the order of VXS_CODING_DAG and on. */
 typedef enum coding_choice { CODING_DAG, CODING_BLOCKS } coding_choice;
 
-/* Storage of the pages of palette blocks, in the order of VXS_PACKING_SMALL and on. */
+/* Storage of the pages of palette blocks, in the order of VXS_PACKING_SMALL and on; of fine maps small is VXS_PACKING_FINE. */
 typedef enum pack_choice { PACK_SMALL, PACK_FAST } pack_choice;
 
 /* Order of sub-DAG compression; auto: top-down, if the plan finds that it pays. */

@@ -38,18 +38,19 @@ static vxs_result blocks_finish(void *data, coded_light *out)
         free(w);
         return r;
     }
-    const block_counts *n = &w->counts;
-    c->counts             = (palette_counts){.pages         = n->pages,
-                                             .nodes         = n->nodes,
-                                             .blocks        = n->blocks,
-                                             .tiles         = n->tiles,
-                                             .private_tiles = n->private_tiles,
-                                             .patterns      = (uint64_t)n->patterns + n->private_patterns + w->common_count};
-    *out                  = (coded_light){
-                         .written      = {.light = *c->light, .blocks = {w->words, w->count, w->common_kinds, w->common_count, c->packing}},
-                         .memory_bytes = 4 * (uint64_t)w->count,
-                         .owned        = w,
-                         .free         = free_words,
+    const block_counts *n  = &w->counts;
+    const uint32_t packing = c->packing == VXS_PACKING_SMALL && c->light->levels >= FINE_LEVELS ? VXS_PACKING_FINE : c->packing;
+    c->counts              = (palette_counts){.pages         = n->pages,
+                                              .nodes         = n->nodes,
+                                              .blocks        = n->blocks,
+                                              .tiles         = n->tiles,
+                                              .private_tiles = n->private_tiles,
+                                              .patterns      = (uint64_t)n->patterns + n->private_patterns + w->common_count};
+    *out                   = (coded_light){
+                          .written      = {.light = *c->light, .blocks = {w->words, w->count, w->common_kinds, w->common_count, packing}},
+                          .memory_bytes = 4 * (uint64_t)w->count,
+                          .owned        = w,
+                          .free         = free_words,
     };
     out->written.light.coding = VXS_CODING_BLOCKS;
     return VXS_OK;

@@ -218,7 +218,7 @@ static uint32_t section_parts(vxs_part *parts, const vxs_asset *asset, uint32_t 
 static const char *packing_text(const vxs_baked_light *l)
 {
     if (l->light.coding != VXS_CODING_BLOCKS) return NULL;
-    return l->packing == VXS_PACKING_SMALL ? "small" : "fast";
+    return l->packing == VXS_PACKING_FAST ? "fast" : "small";
 }
 
 static void print_info(FILE *to, const char *path, const vxs_asset *asset, const json_t *made, uint64_t file_bytes)

@@ -95,7 +95,7 @@ export class CoreLight {
     const [kind, coding, levels, maps, bounded, packing, wordCount, texel, voxel, near, range, cosOuter, dx, dy, dz, ...matrix] =
       heap.f64.subarray(out / 8, out / 8 + 27);
     Object.assign(this, {
-      kind: KINDS[kind], coding: CODINGS[coding], packing: packing ? 'fast' : 'small',
+      kind: KINDS[kind], coding: CODINGS[coding], packing: packing === 1 ? 'fast' : 'small',
       levels, resolution: 2 ** levels, maps, bounded: !!bounded, wordCount,
       texelMetres: texel, voxelMetres: voxel, nearMetres: near, rangeMetres: range, cosOuter,
       direction: [dx, dy, dz], matrix: Float64Array.from(matrix),

@@ -5,6 +5,7 @@ from collections import defaultdict
 from types import SimpleNamespace
 
 NEVER = -1  # ffff as a depth
+K1, K2 = 0x9e3779b97f4a7c15, 0xc2b2ae3d27d4eb4f
 RATES = [1, 2] + [3] * 4 + [4] * 8 + [5] * 26 + [6] * 120 + [7]
 
 
@@ -364,7 +365,7 @@ class Walk:
         if pattern.own < 3:
             p = self.s.nibble("private_count") + 2
             need(p <= 16)
-            deltas, width = self.deltas(p - 1, lambda _: ("private_delta",), "private_round", pattern.own, shift)
+            deltas, width = self.deltas(p - 1, lambda *_: ("private_delta",), "private_round", pattern.own, shift)
             self.put_pool([p, pattern.own << 4 | shift] + [delta >> 8 * n & 255 for delta in deltas for n in range(width)])
             pattern.deltas = [0] + [delta << shift for delta in deltas]
             pattern.index = self.pattern_of_depths([s16(at + delta) for delta in pattern.deltas], x0, y0)
@@ -372,10 +373,14 @@ class Walk:
             self.raw(pattern, kind, shift, at, x0, y0)
         return pattern, at
 
-    def deltas(self, count, name, rounds, width, shift):
-        last, deltas, size = 0, [], 1 << width
+    def deltas(self, count, name, rounds, width, shift, met=lambda n, last: None):
+        """name: odds of delta n behind a step; met: that delta, where it is coded otherwise"""
+        last, deltas, size, step = 0, [], 1 << width, 0
         for n in range(count):
-            last += 1 + self.s.step(name(n), rounds, last)
+            delta = met(n, last)
+            step = 1 + self.s.step(name(n, step), rounds, last) if delta is None else delta - last
+            need(step > 0)
+            last += step
             need(last < 2**(8 if width == 0 else 16 if width == 1 else 24) and last << shift < 2**24)
             deltas.append(last)
         return deltas, size
@@ -480,9 +485,11 @@ class Walk:
 
 
 class Page(Walk):
-    """nodes: (word, X, Y, map, base). common: lists of patterns by kind, as they lie, of the common pool."""
+    """nodes: (word, X, Y, map, base). common: lists of patterns by kind, as they lie, of the common pool. packing: of the light."""
 
-    def __init__(self, data, nodes, common):
+    def __init__(self, data, nodes, common, packing):
+        self.more = packing == 2
+        self.pattern_sets, self.used_sets, self.last_shift = defaultdict(list), defaultdict(list), 0
         count, node_words = (n + 1 for n in struct.unpack_from("<2H", data))
         need(node_words <= count and nodes)
         super().__init__(Symbols(Coder(data, 4)), Words([0] * count), 2 * node_words)
@@ -556,15 +563,16 @@ class Page(Walk):
         size, at = 2 if wide else 1, 2 * self.word
         self.word += (11 + count + size * (count + fresh_count) + 1) // 2
         need(self.word <= self.node_words)
-        refs, bases, depths, fresh, last = [], [], [], 0, None
+        refs, bases, depths, fresh, last, next_corner = [], [], [], 0, None, None
         for c in range(64):
             x0, y0 = 32 * (c % 8), 32 * (c // 8)
+            corner, next_corner = next_corner if x0 else self.left[y0], self.above[x0 + 31]
             if mixed >> c & 1:
                 ref, block_base = self.block(wide, x0, y0)
                 refs.append(ref)
                 bases.append(block_base)
                 continue
-            depth = self.uniform_block(wide, last or 0, x0, y0)
+            depth = self.uniform_block(wide, last or 0, corner, x0, y0)
             self.leave_depth(x0, y0, 32, depth)
             if last is None or depth != last:
                 fresh |= 1 << c
@@ -583,9 +591,14 @@ class Page(Walk):
             X=X, Y=Y, map=map_, above=[d if d == NEVER else s16(d + base - self.slope(x // 8, 31)) for x, d in enumerate(above)],
             left=[d if d == NEVER else s16(d + base - self.slope(31, y // 8)) for y, d in enumerate(left)]))
 
-    def uniform_block(self, wide, last, x0, y0):
+    def uniform_block(self, wide, last, corner, x0, y0):
         left, above, before = (x & 0xffff for x in (self.left[y0], self.above[x0], last))
         k = (left == above) | (before in (left, above)) << 1 | (left == 0xffff) << 2
+        if self.more:
+            k |= (before == left) << 3
+            behind = self.above[x0 + 32]
+            k |= (corner == self.left[y0]) << 4 | (corner == self.above[x0]) << 5
+            k |= (0 if behind == self.above[x0] else 1 if behind == self.left[y0] else 2) << 6
         like = self.s.nibble("depth_like", k)
         if like < 4:
             low = (left, above, before, 0xffff)[like]
@@ -594,6 +607,29 @@ class Page(Walk):
         depth = (low | self.s.number("high") << 16) & 0xffffffff if wide else low
         need(not wide or depth < 2**24 or depth == 0xffffffff)
         return depth
+
+    # 14.11
+
+    def again(self, name, places):
+        """What the set has at a place, which then comes first; or None."""
+        place = self.s.nibble(name[0], name[1], len(places)) if places else 15
+        if place >= len(places):
+            return None
+        places.insert(0, places.pop(place))
+        return places[0]
+
+    def depth_beside(self, base, shift, last, x0, y0):
+        """The last delta, or None where it leads to no depth beside the block."""
+        depths = [self.above[x0 + n] for n in range(32)] + [self.left[y0 + n] for n in range(32)]
+        most = max([depth for depth in depths if depth != NEVER], default=-2**15)
+        found = [s16(depth - base) for depth in (most, self.left[y0 + 31], self.above[x0 + 31])]
+        if found[0] <= last << shift:
+            return None
+        place = self.s.nibble("last_depth", (found[1] == found[0]) | (found[2] == found[0]) << 1)
+        if place > 2:
+            return None
+        need(found[place] % (1 << shift) == 0)
+        return found[place] >> shift
 
     # 14.4
 
@@ -685,7 +721,8 @@ class Page(Walk):
             n, like = 1, block.least >> 8
         else:
             n, like = 0, self.least_beside(x0, y0, 32) or 0
-        base = (self.s.signed("base", n) + like) % 2**16
+        k = self.varied_left(y0, 32) + 2 * self.varied_above(x0, 32) if self.more else 0
+        base = (self.s.signed("base", n, k) + like) % 2**16
         high = self.s.number("high") if wide else 0
         need(high < 256)
         return base | high << 16
@@ -696,18 +733,21 @@ class Page(Walk):
         if b.on_plane < 2:
             b.q = self.s.nibble("entries", 4 if b.on_plane else varied_beside) + 1
             need(b.q <= 14)
-            b.shift = self.s.nibble("delta_form", int(b.q == 1))
+            K = 0 if b.q == 1 else self.size_class(b.q)
+            b.shift = self.s.nibble("delta_form", K, min(self.last_shift, 3)) if self.more else self.s.nibble("delta_form", int(b.q == 1))
             if b.shift == 15:
                 b.shift = self.s.nibble("delta_shift")
                 b.width = self.s.nibble("delta_width")
                 need(b.width <= 7)
                 b.far, b.width = b.width >> 2, b.width & 3
                 need(b.width < 2 or b.width == 2 and b.shift == 0)
-            name = lambda n: ("delta_wide",) if b.width == 2 else ("delta", b.shift, int(n > 0))
-            b.deltas, _ = self.deltas(b.q - 1, name, "round", b.width, b.shift)
+            self.last_shift = b.shift if b.q > 1 else self.last_shift
+            b.deltas, _ = self.deltas(b.q - 1, lambda *at: self.odds_of_delta(b, *at), "round", b.width, b.shift,
+                                      lambda n, last: self.depth_beside(base, b.shift, last, x0, y0)
+                                      if self.more and b.width < 2 and n + 2 == b.q else None)
             b.palette += [delta << b.shift for delta in b.deltas]
         depth = [s16(base + d) for d in b.palette]
-        K = b.q - 1 if b.q <= 2 else 2 if b.q <= 4 else 3 if b.q <= 8 else 4
+        K = self.size_class(b.q)
         b.last = 16
         for y in range(4):
             self.row(b, y, K, base, depth, sheet, x0, y0 + 8 * y)
@@ -731,6 +771,14 @@ class Page(Walk):
         need(first + len(words) <= self.node_words)
         self.words[first:first + len(words)] = words
         self.word += len(words)
+
+    def size_class(self, q):
+        return q - 1 if q <= 2 else 2 if q <= 4 else 3 if q <= 8 else 4
+
+    def odds_of_delta(self, b, n, step):
+        if b.width == 2:
+            return ("delta_wide",)
+        return ("delta", min(b.shift, 3), int(n + 2 == b.q), min(step, 6)) if self.more else ("delta", b.shift, int(n > 0))
 
     def row(self, b, y, K, base, depth, sheet, x0, y0):
         on = mixed = 0
@@ -774,6 +822,12 @@ class Page(Walk):
     def entries_used(self, b, depth, x0, y0):
         l = sum(any(self.left[y0 + n] == depth[e] for n in range(8)) << e for e in range(b.q))
         a = sum(any(self.above[x0 + n] == depth[e] for n in range(8)) << e for e in range(b.q))
+        used_set = self.used_sets[(l * K1 + (a + (b.q << 16)) * K2) % 2**64 >> 51]
+        if self.more and b.q > 4:
+            again = self.again(("used_again", int(b.q > 8)), used_set)
+            if again is not None:
+                need(again < 1 << b.q and ones(again) != 1)
+                return again
         t, number = 0, len(b.tiles)
         if number % 4:
             t |= b.tiles[number - 1].used
@@ -787,6 +841,8 @@ class Page(Walk):
             e = b.q - n if b.q - n < 4 else 0
             used |= self.s.nibble("used", e, low >> n & 15 | (either >> n & 15) << 4) << n
         need(used < 1 << b.q and ones(used) != 1)
+        if b.q > 4:
+            used_set[:] = [used] + used_set[:3]
         return used
 
     def mixed_tile(self, b, tile, base, depth, x0, y0):
@@ -811,15 +867,23 @@ class Page(Walk):
         return self.common[kind][n]
 
     def pattern(self, palette, x0, y0):
-        p = len(palette)
+        p, pattern = len(palette), None
+        above = sum(self.index_beside(self.above[x0 + n], palette) << 8 * n for n in range(8))
+        left = sum(self.index_beside(self.left[y0 + n], palette) << 8 * n for n in range(8))
+        patterns = self.pattern_sets[(above * K1 + (left + p) * K2) % 2**64 >> 54]
+        if self.more:
+            again = self.again(("pattern_again", min(p - 2, 3)), patterns)
+            if again is not None:
+                need(again.kind == p)
+                return again
         place = self.s.number("pattern", p)
-        if place == 1:
-            return self.from_common(p)
-        if place:
-            return half_place(self.lists[p], place - 2)
-        pattern = Pattern(self.pool, p)
-        pattern.index = self.pattern_of_depths(palette, x0, y0)
-        self.lists[p].append(pattern)
+        if place == 0:
+            pattern = Pattern(self.pool, p)
+            pattern.index = self.pattern_of_depths(palette, x0, y0)
+            self.lists[p].append(pattern)
+        else:
+            pattern = self.from_common(p) if place == 1 else half_place(self.lists[p], place - 2)
+        patterns[:] = [pattern] + patterns[:14]
         return pattern
 
     def private_pattern(self, base, x0, y0):

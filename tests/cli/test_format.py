@@ -103,7 +103,8 @@ def test_sizes_in_prose():
     kinds = [defined["VXS_LIGHT_KIND_" + kind] for kind in ("DIRECTIONAL", "SPOT", "POINT")]
     assert kinds == [1, 2, 3] and "| 1: directional; 2: spot; 3: point |" in prose(5)
     assert [defined["VXS_CODING_" + coding] for coding in ("DAG", "BLOCKS")] == [1, 2] and "1: a DAG; 2: palette blocks." in prose(5)
-    assert [defined["VXS_PACKING_" + packing] for packing in ("SMALL", "FAST")] == [0, 1] and "0: small, 14.1 to 14.9; 1: fast, 14.10." in prose(5)
+    assert [defined["VXS_PACKING_" + packing] for packing in ("SMALL", "FAST", "FINE")] == [0, 1, 2]
+    assert "0: small, 14.1 to 14.9; 1: fast, 14.10; 2: fine, 14.11." in prose(5)
     assert defined["VXS_FORMAT_VERSION_BLOCKS"] == 2
 
 

@@ -30,11 +30,11 @@ class Parts:
 
 
 def samples(data):
-    """A resident part, its levels and maps, its words and nodes; nodes, words and bytes of a page that stands on its common pool."""
+    """A resident part, its levels and maps, its words and nodes; packing, nodes, words and bytes of a page that stands on its common pool."""
     parts = Parts(data)
     while parts.at < len(data):
-        levels, maps, resident_bytes, word_count, node_count, page_nodes, page_words, page_bytes = parts.numbers(8)
-        yield (parts.take(resident_bytes), levels, maps, parts.numbers(word_count), parts.nodes(node_count), parts.nodes(page_nodes),
+        levels, maps, resident_bytes, word_count, node_count, packing, page_nodes, page_words, page_bytes = parts.numbers(9)
+        yield (parts.take(resident_bytes), levels, maps, parts.numbers(word_count), parts.nodes(node_count), packing, parts.nodes(page_nodes),
                parts.numbers(page_words), parts.take(page_bytes))
 
 
@@ -43,14 +43,14 @@ def test_any_page_that_the_layout_allows(vxs_path, tmp_path):
     if not program.exists():
         pytest.skip("no unit tests")
     subprocess.run([program], env=os.environ | {"VXS_PAGES_OUT": str(path)}, check=True)
-    for data, levels, maps, words, nodes, page_nodes, page_words, page in samples(path.read_bytes()):
+    for data, levels, maps, words, nodes, packing, page_nodes, page_words, page in samples(path.read_bytes()):
         resident = Resident(data, levels, maps)
         assert resident.words == words
         assert [node for nodes_of_page in resident.pages for node in nodes_of_page] == nodes
-        assert Page(page, page_nodes, resident.common).words == page_words
+        assert Page(page, page_nodes, resident.common, packing).words == page_words
         for end in (page[:-2], page[:-8] + bytes(2) + page[-8:], page[:-1] + bytes([page[-1] ^ 0x80])):
             with pytest.raises(Refused):
-                Page(end, page_nodes, resident.common)
+                Page(end, page_nodes, resident.common, packing)
         count += 1
     assert count == 30
 
@@ -73,13 +73,13 @@ def lights_of(vxs_path, path, lights):
         yield words, starts, contents[b"RSDT", light], [pages.take(stored) for stored, _ in table]
 
 
-def check_small(vxs_path, path, lights):
+def check_small(vxs_path, path, lights, packing=0):
     """lights  their numbers, levels and maps"""
     for (_, levels, maps), (words, starts, resident, pages) in zip(lights, lights_of(vxs_path, path, [n for n, *_ in lights])):
         known = Resident(resident, levels, maps)
         assert known.words == words[:starts[0]] and len(known.pages) == len(pages)
         for page, nodes, start in zip(pages, known.pages, starts, strict=True):
-            found = Page(page, nodes, known.common).words
+            found = Page(page, nodes, known.common, packing).words
             assert found == words[start:start + len(found)]
 
 
@@ -107,3 +107,14 @@ def test_pages_of_the_golden_file(vxs_path, libraries):
     """One of the small lights has several pages, and a common pool."""
     check_small(vxs_path, GOLDEN / "blocks.vxs", [(0, 9, 1), (1, 13, 1)])
     check_fast(vxs_path, GOLDEN / "blocks.vxs", [2, 3], libraries[0])
+
+
+def test_pages_of_a_fine_bake(vxs, vxs_path, tmp_path):
+    """Of a map of 2^15 texels, whose pages have more contexts. One page, as there are some seconds in each."""
+    scene, path = tmp_path / "scene.glb", tmp_path / "baked.vxs"
+    vxs("scene", "city", "--triangles", 1000, "-o", scene)
+    vxs("bake", scene, "--resolution", 32768, "-o", path)
+    words, starts, resident, pages = next(lights_of(vxs_path, path, [0]))
+    known = Resident(resident, 15, 1)
+    found = Page(pages[-1], known.pages[-1], known.common, 2).words
+    assert found == words[starts[-1]:]

@@ -186,7 +186,9 @@ static inline vxs_result sample_common_make(rng *r, sample_common *c, uint32_t c
         halves += p->halves;
         kinds[c->count] = (uint8_t)p->kind;
     }
-    return vxs_common_index(&c->common, c->patterns, kinds, count, c->words, halves);
+    vxs_result result = vxs_common_index(&c->common, c->patterns, kinds, count, c->words, halves);
+    c->common.packing = count & 1 ? VXS_PACKING_SMALL : VXS_PACKING_FINE;
+    return result;
 }
 
 /* pages ------------------------------------------------------------------------------------------------------------------------ */

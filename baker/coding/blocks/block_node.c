@@ -31,6 +31,12 @@ typedef struct tile_in {
     private_planes plane;  /* a plane through this tile alone */
 } tile_in;
 
+/* Depths of a block; none: they are not chosen yet. */
+typedef struct block_depths {
+    uint32_t count;
+    int32_t  depth[PALETTE_MAX];
+} block_depths;
+
 typedef struct node_builder {
     block_set           *set;
     const column_square *columns;
@@ -38,6 +44,9 @@ typedef struct node_builder {
     block_node           node;
     int32_t              emax[NODE_TILE_COUNT], xmin[NODE_TILE_COUNT]; /* of tiles; with the slope after add_slope */
     tile_in              tile[BLOCK_TILES];                            /* of the current block */
+    uint32_t             number;                                       /* of the current block */
+    block_depths         chosen[NODE_BLOCKS];
+    int                  fine; /* whether pages will be of VXS_PACKING_FINE */
     depth_axis           axis;
 } node_builder;
 
@@ -318,6 +327,18 @@ static uint32_t find_plane(node_builder *b, plane *p)
     return on;
 }
 
+/* A depth in this range that a block has which is beside the current one; -1: none. */
+static int32_t depth_beside(const node_builder *b, int32_t low, int32_t high)
+{
+    const uint32_t n = b->number, x = n % 8, beside[] = {x ? n - 1 : n, n > 7 ? n - 8 : n, x < 7 ? n + 1 : n, n < 56 ? n + 8 : n};
+    for (int k = 0; k < 4; k++) {
+        const block_depths *other = &b->chosen[beside[k]];
+        for (uint32_t m = 0; m < other->count; m++)
+            if (low <= other->depth[m] && other->depth[m] <= high) return other->depth[m];
+    }
+    return -1;
+}
+
 /* Build the palette for the tiles that are not on the plane.
  * codes  [out] codes of its depths;   Returns the first depth. */
 static int32_t build_palette(node_builder *b, block *out, int16_t codes[PALETTE_MAX])
@@ -326,16 +347,20 @@ static int32_t build_palette(node_builder *b, block *out, int16_t codes[PALETTE_
     scale_block(b);
     int count = block_groups(b, groups);
 
-    /* Choose depths within their groups, with round differences to the first. Returns the first. */
-    int32_t base = axis_depth(&b->axis, groups[0].low), high = axis_depth(&b->axis, groups[0].high);
+    /* Choose depths within their groups, with round differences to the first. The last one is often of what lies behind all edges: it
+     * is that of a block beside, if possible, so that pages of VXS_PACKING_FINE need not code it. */
+    int32_t           base = axis_depth(&b->axis, groups[0].low), high = axis_depth(&b->axis, groups[0].high);
+    const stab_group *end = &groups[count - 1];
+    int32_t met = count > 1 && b->fine ? depth_beside(b, axis_depth(&b->axis, end->low), axis_depth(&b->axis, end->high)) : -1;
     out->depths = (uint32_t)count;
-    for (int n = 1; n < count; n++) {
+    for (int n = 1; n < count - (met >= 0); n++) {
         int32_t from = axis_depth(&b->axis, groups[n].low), to = axis_depth(&b->axis, groups[n].high);
         out->depth[n] = roundest(from - high, to - base);
         base          = max_i32(base, from - out->depth[n]);
         high          = min_i32(high, to - out->depth[n]);
     }
 
+    if (met >= 0) out->depth[count - 1] = met - base;
     for (int n = 0; n < count; n++) codes[n] = axis_code(&b->axis, base + out->depth[n]);
 
     /* Choose entries of uniform tiles: the same as the tiles before, where possible. */
@@ -381,6 +406,9 @@ static vxs_result build_block(node_builder *b, uint32_t *id, int32_t *base)
     } else
         *base = build_palette(b, &out, codes);
     if (on) out.plane.least -= *base * PLANE_ONE;
+    block_depths *chosen = &b->chosen[b->number];
+    chosen->count        = out.depths;
+    for (uint32_t n = 0; n < out.depths; n++) chosen->depth[n] = *base + out.depth[n];
     int count = (int)out.depths;
     for (int n = 0; n < BLOCK_TILES && r == VXS_OK; n++) {
         const tile_in *t  = &b->tile[n];
@@ -438,14 +466,23 @@ static vxs_result bound_tiles(node_builder *b, uint32_t level, uint32_t x, uint3
     return r;
 }
 
-/* Give this depth to the blocks of single depth in [first, end). */
-static void depth_of_run(node_builder *b, uint32_t first, uint32_t end, int32_t depth)
+/* Give one depth to the blocks of single depth in [first, end): that of a block above one of them, where possible. */
+static void depth_of_run(node_builder *b, uint32_t first, uint32_t end, run_range run)
 {
-    for (uint32_t n = first; n < end; n++)
-        if (!(b->node.mixed >> n & 1)) b->node.depth[n] = depth;
+    int32_t depth = run.low;
+    for (uint32_t n = first > 8 ? first : 8, found = 0; n < end && !found && b->fine; n++) {
+        const block_depths *above = &b->chosen[n - 8];
+        found = !(b->node.mixed >> n & 1) && above->count && run.low <= above->depth[0] && above->depth[0] <= run.high;
+        if (found) depth = above->depth[0];
+    }
+    for (uint32_t n = first; n < end; n++) {
+        if (b->node.mixed >> n & 1) continue;
+        b->node.depth[n] = b->chosen[n].depth[0] = depth;
+        b->chosen[n].count                       = 1;
+    }
 }
 
-/* Blocks of a single depth take the depth of the blocks before, where possible. */
+/* Blocks of a single depth take the depth of the blocks before, where possible. The others follow when these are known. */
 static vxs_result build_blocks(node_builder *b)
 {
     run_range run   = {0, INT32_MAX};
@@ -457,19 +494,24 @@ static vxs_result build_blocks(node_builder *b)
             low  = i32x4_max(low, i32x4_load(b->emax + at));
             high = i32x4_min(high, i32x4_load(b->xmin + at));
         }
-        run_range may = {i32x4_greatest(low), i32x4_least(high)};
+        run_range may      = {i32x4_greatest(low), i32x4_least(high)};
+        b->chosen[n].count = 0;
         if (may.low > may.high) {
             b->node.mixed |= 1ull << n;
-            vxs_result r = fetch_block(b, n % 8, n / 8);
-            if (r == VXS_OK) r = build_block(b, &b->node.block[n], &b->node.depth[n]);
-            if (r != VXS_OK) return r;
         } else if (!run_takes(&run, may.low, may.high)) {
-            depth_of_run(b, first, n, run.low);
+            depth_of_run(b, first, n, run);
             run   = may;
             first = n;
         }
     }
-    depth_of_run(b, first, NODE_BLOCKS, run.low);
+    depth_of_run(b, first, NODE_BLOCKS, run);
+    for (uint64_t rest = b->node.mixed; rest; rest &= rest - 1) {
+        uint32_t n   = (uint32_t)__builtin_ctzll(rest);
+        b->number    = n;
+        vxs_result r = fetch_block(b, n % 8, n / 8);
+        if (r == VXS_OK) r = build_block(b, &b->node.block[n], &b->node.depth[n]);
+        if (r != VXS_OK) return r;
+    }
     return VXS_OK;
 }
 
@@ -488,6 +530,7 @@ vxs_result block_build_node(block_set *s, const column_square *columns, uint32_t
     if (!b) return VXS_E_MEMORY;
     b->set     = s;
     b->columns = columns;
+    b->fine    = columns->depth_vx >> FINE_LEVELS != 0;
     b->tile_x  = NODE_TILES * x;
     b->tile_y  = NODE_TILES * y;
     b->node    = (block_node){.map = map, .x = map_x, .y = map_y, .emin = bounds.emin, .xmax = bounds.xmax};

@@ -86,6 +86,7 @@ int block_patterns(const uint8_t *bytes, block_head *head, uint32_t patterns[BLO
 
 enum {
     NODE_BLOCKS = 64,
+    FINE_LEVELS = 15,     /* maps of this many levels or more have pages of VXS_PACKING_FINE */
     FAR_DEPTH   = 1 << 20 /* behind all maps: a column is never in shadow */
 };
 
