@@ -1,0 +1,66 @@
+/* A node of palette blocks while it is built: its tiles, the block at hand, and the depths that are chosen.
+ * SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef BLOCK_BUILD_H
+#define BLOCK_BUILD_H
+
+#include "baker/coding/blocks/blocks.h"
+#include "baker/coding/blocks/stabbing_set.h"
+
+enum {
+    PRIVATE_FROM    = 10, /* a tile that needs this many depths gets a private palette */
+    NODE_TILE_COUNT = NODE_TILES * NODE_TILES,
+};
+
+/* A tile of the current block, with the slope added. */
+typedef struct tile_in {
+    tile_ranges    ranges;            /* of texels, in the order of patterns.h; unless the tile is uniform */
+    int16_t        low[64], high[64]; /* the same as codes of the block's depth axis */
+    int32_t        emax, xmin;        /* over all texels */
+    tile_kind      kind;
+    int32_t        shift;  /* depth that the slope added */
+    int            flat;   /* 1: it may lie on a plane */
+    int            depths; /* number of depths that it needs, up to PRIVATE_FROM; 0: not counted */
+    private_planes plane;  /* a plane through this tile alone */
+} tile_in;
+
+/* Depths of a block; none: they are not chosen yet. */
+typedef struct block_depths {
+    uint32_t count;
+    int32_t  depth[PALETTE_MAX];
+} block_depths;
+
+typedef struct node_builder {
+    block_set           *set;
+    const column_square *columns;
+    uint32_t             tile_x, tile_y; /* position of the node, in tiles of the columns */
+    block_node           node;
+    int32_t              emax[NODE_TILE_COUNT], xmin[NODE_TILE_COUNT]; /* of tiles; with the slope after add_slope */
+    tile_in              tile[BLOCK_TILES];                            /* of the current block */
+    uint32_t             number;                                       /* of the current block */
+    block_depths         chosen[NODE_BLOCKS];
+    int                  fine; /* whether pages will be of VXS_PACKING_FINE */
+    depth_axis           axis;
+} node_builder;
+
+/* Range of single depths that suit a whole run of squares. */
+typedef struct run_range {
+    int32_t low, high;
+} run_range;
+
+/* Add a square to the run if a common depth is left. */
+static inline int run_takes(run_range *run, int32_t low, int32_t high)
+{
+    low  = max_i32(low, run->low);
+    high = min_i32(high, run->high);
+    if (low > high) return 0;
+    *run = (run_range){low, high};
+    return 1;
+}
+
+/* Build block b->number of the node, which has no single depth.
+ * id    [out] its number in the set
+ * base  [out] the first depth of its palette
+ * Returns VXS_OK, VXS_E_MEMORY or what the columns return. */
+vxs_result block_build(node_builder *b, uint32_t *id, int32_t *base);
+
+#endif
