@@ -199,7 +199,7 @@ size_t measure(loader &l)
                  kind, count);
     warn_about_skinned(l);
     l.vertex_capacity = vertices;
-    if (total) /* the scene's arrays, and those that all users create: welded vertices, then edges (mesh_edges.c, casters.c) */
+    if (total) /* the scene's arrays, and those that all users create: welded vertices, then edges (mesh_edges.c, casters_work.c) */
         l.need(std::max((uint64_t)29 * total + (uint64_t)60 * vertices, (uint64_t)66 * total + (uint64_t)28 * vertices),
                std::to_string(total) + " triangles with " + std::to_string(vertices) + " vertices, meshes placed " +
                    std::to_string(placed) + " times");
