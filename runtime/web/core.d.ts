@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /**
- * vxs/core: what a shader needs of a .vxs file: words, constants, depth maps. 40 KB as brotli, WebAssembly included.
+ * vxs/core: what a shader needs of a .vxs file: words, constants, depth maps. 42 KB as brotli, WebAssembly included.
  *
  *     import { load } from 'vxs/core';
  *     const vxs = await load();

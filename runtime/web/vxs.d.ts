@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 /**
- * vxs: lookups in baked shadows. 65 KB as brotli, WebAssembly included.
+ * vxs: lookups in baked shadows. 67 KB as brotli, WebAssembly included.
  *
  *     import { load } from 'vxs';
  *     const vxs = await load();

@@ -150,7 +150,7 @@ def test_points_of_the_asset(vxs, tmp_path):
     """They cast the shadows of area lights; they are within the budget while the file is opened, and without area lights nothing requests them."""
     level, asset = small_scene.write(tmp_path / "level.gltf", lights=[("sun", "directional", (1, -1, 0))]), tmp_path / "level.vxs"
     add_quads(level, [(*BESIDE, [1, 0.5, 0.25])])
-    vxs("bake", level, *SMALL, "-o", asset, "--points", 30000)
+    vxs("bake", level, *SMALL, "-o", asset, "--points", 60000)
 
     def render(*options, **more):
         return vxs("render", level, asset, "-o", tmp_path / "out.png", *SIZE, "--eye", "7,9,6", "--target", "0,1,0", *options, "--json", tmp_path / "r.json", "--force", **more)
@@ -160,8 +160,8 @@ def test_points_of_the_asset(vxs, tmp_path):
         render("--area", 8, *budget)
         pictures.append((tmp_path / "out.png").read_bytes())
         reports.append(json.loads((tmp_path / "r.json").read_text())["area"])
-    assert pictures[0] == pictures[1] and reports[0] == reports[1] and (reports[0]["points"], reports[0]["points_of"]) == (30000, "asset")
+    assert pictures[0] == pictures[1] and reports[0] == reports[1] and (reports[0]["points"], reports[0]["points_of"]) == (60000, "asset")
     with_points, without = (least_budget(render, "--area", lamps) for lamps in (8, 0))
-    assert with_points > max(without, 2 * 6 * 30000)
+    assert with_points > max(without, 2 * 6 * 60000)
     render("--area", 8, "--budget", with_points)
     assert json.loads((tmp_path / "r.json").read_text())["area"] == reports[0]

@@ -74,7 +74,7 @@ static int64_t px_of(const leaf *f)
 /* Texels outside an edge, whatever its length. */
 static uint64_t outside_long(const leaf *f, const sparse_edge *e)
 {
-    const i64s across  = (e->a << f->d->triangles->grid) * (i64s)EACH_LANE((int64_t));
+    const i64s across  = e->a * px_of(f) * (i64s)EACH_LANE((int64_t));
     uint64_t   outside = 0;
     for (int first = 0; first < 64; first += LANES) {
         const int64_t at = sparse_edge_at(e, f->x0 + (first & 7) * px_of(f), f->y0 + (first >> 3) * px_of(f));
