@@ -97,7 +97,7 @@ void plan_estimate_light(plan_light *l, const bake_options *o)
     double              threads = o->threads;
 
     if (o->maps == MAPS_SPARSE) {
-        l->seconds[STAGE_MAPS] = (7e-7 * (double)l->sample.triangles + 1.5e-6 * l->mask_tiles) / threads;
+        l->seconds[STAGE_MAPS] = (1.7e-7 * (double)l->sample.triangles + 7.5e-7 * l->mask_tiles) / threads;
     } else {
         /* rendering waits for one of two threads */
         l->seconds[STAGE_GL]      = 5e-4 * l->map_count + 4.5e-8 * (double)l->sample.triangles;
@@ -112,10 +112,10 @@ void plan_estimate_light(plan_light *l, const bake_options *o)
         l->seconds[STAGE_ENCODE] = 3.7e-7 * kept;
         l->seconds[STAGE_WRITE]  = 3.7e-8 * kept;
     } else {
-        l->seconds[STAGE_MASKS]  = (1.7e-10 * full + 9e-7 * l->mask_tiles) / threads;
-        l->seconds[STAGE_MERGE]  = 7e-7 * l->palette.patterns;
-        l->seconds[STAGE_ENCODE] = (fast ? 4e-7 : 9e-8) * l->palette.words;
-        l->seconds[STAGE_WRITE]  = (fast ? 5e-8 : 6e-8) * l->palette.words;
+        l->seconds[STAGE_MASKS]  = (5e-12 * full + 8e-7 * l->mask_tiles) / threads;
+        l->seconds[STAGE_MERGE]  = 3.5e-7 * l->palette.patterns;
+        l->seconds[STAGE_ENCODE] = (fast ? 4e-7 : 6e-8) * l->palette.words;
+        l->seconds[STAGE_WRITE]  = (fast ? 5e-8 : 3e-9) * l->palette.words;
     }
 }
 
@@ -133,10 +133,10 @@ void plan_estimate_scene(bake_plan *plan, const casters *c)
         bytes += l->stored_bytes;
         memory += l->memory_bytes;
     }
-    plan->seconds[STAGE_LOAD]   = 1e-3 + 3e-10 * (double)plan->scene_bytes + 3.6e-8 * (double)c->triangle_count;
-    plan->seconds[STAGE_SOLIDS] = 1.2e-7 * (double)c->triangle_count;
+    plan->seconds[STAGE_LOAD]   = 1e-3 + 3e-10 * (double)plan->scene_bytes + 2.5e-8 * (double)c->triangle_count;
+    plan->seconds[STAGE_SOLIDS] = 6.5e-8 * (double)c->triangle_count;
     plan->seconds[STAGE_PLAN] =
-        (plan->meeting_known ? plan->meeting_seconds : 0) + 6e-8 * (double)c->triangle_count + 4e-3 * (double)plan->baked_count;
+        (plan->meeting_known ? plan->meeting_seconds : 0) + 3e-8 * (double)c->triangle_count + 1e-3 + 5e-4 * (double)plan->baked_count;
     if (plan->seconds[STAGE_GL] > 0) { /* some light is rendered */
         plan->seconds[STAGE_GL] += 0.026;
         plan->seconds[STAGE_MAPS] += 0.02; /* compilation of shaders */
