@@ -169,7 +169,7 @@ static uint64_t sparse_peak_bytes(const bake_plan *plan, const bake_options *o, 
                                         fmin(1, descent_slots(o->threads) * part) * l->part_bytes + 80 * (double)l->sample.triangles);
         built += l->built_bytes;
     }
-    return (uint64_t)(1.15 * (9e6 + 20e3 * (double)plan->baked_count + array_bytes(c) + square + built));
+    return (uint64_t)(1.15 * (12e6 + 20e3 * (double)plan->baked_count + array_bytes(c) + square + built));
 }
 
 uint64_t plan_peak_bytes(const bake_plan *plan, const bake_options *o, const casters *c, uint32_t tile_px)
