@@ -135,8 +135,8 @@ void plan_estimate_scene(bake_plan *plan, const casters *c)
     }
     plan->seconds[STAGE_LOAD]   = 1e-3 + 3e-10 * (double)plan->scene_bytes + 2.5e-8 * (double)c->triangle_count;
     plan->seconds[STAGE_SOLIDS] = 6.5e-8 * (double)c->triangle_count;
-    plan->seconds[STAGE_PLAN] =
-        (plan->meeting_known ? plan->meeting_seconds : 0) + 3e-8 * (double)c->triangle_count + 1e-3 + 5e-4 * (double)plan->baked_count;
+    plan->seconds[STAGE_PLAN]   = (plan->meeting_known ? plan->meeting_seconds : 0) + 3e-8 * (double)c->triangle_count + 1e-3 +
+                                5e-4 * (double)plan->baked_count;
     if (plan->seconds[STAGE_GL] > 0) { /* some light is rendered */
         plan->seconds[STAGE_GL] += 0.026;
         plan->seconds[STAGE_MAPS] += 0.02; /* compilation of shaders */

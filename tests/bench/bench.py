@@ -92,7 +92,7 @@ def pictures(build, folder, path_of):
     for scene, resolution in ((s, n) for s in scenes if s == "city" or SPONZA.is_file() for n in PICTURE_RESOLUTIONS):
         for n, camera in enumerate(CAMERAS[scene]):
             path = path_of(f"{scene}-{resolution}-{n + 1}")
-            run(build / "tests" / "bench" / "rivals", *scenes[scene], "--resolution", resolution, "--runs", RUNS, "--points", POINTS,
+            run(build / "tests" / "bench" / "rivals", *scenes[scene], "--resolution", resolution, "--runs", RUNS, "--points", max(POINTS, 1),
                 "--voxels", 200000, *names, *camera, "--json", path)
             found.append((scene, resolution, n + 1, lookups_of(path)))
     return found

@@ -214,6 +214,16 @@ static void map_close(void *data)
     free(data);
 }
 
+/* Memory of the lists of all threads: each takes a cell, and splits its list again and again. */
+static uint64_t list_bytes(const triangle_bins *b, uint32_t threads)
+{
+    enum { LISTS = 4 }; /* at once, in lengths of the first one */
+    const uint64_t each    = 2 * sizeof(double) + sizeof(square_entry) + sizeof(sparse_tags);
+    uint64_t       longest = 0;
+    for (size_t n = 0; n < (size_t)b->cells * b->cells; n++) longest = max_u64(longest, b->first[n + 1] - b->first[n]);
+    return threads * LISTS * each * longest;
+}
+
 /* side  of the map that p is in */
 static vxs_result prepare(sparse_map *o, const projection *p, uint32_t side, bake_context *ctx)
 {
@@ -221,6 +231,9 @@ static vxs_result prepare(sparse_map *o, const projection *p, uint32_t side, bak
     vxs_result r = memory_check(sparse_triangles_bytes(p), ctx->run, "%zu triangles of a map: they need", p->triangle_count);
     if (r == VXS_OK) r = sparse_triangles_init(&o->triangles, p, side, ctx->threads);
     if (r == VXS_OK) r = triangle_bins_init(&o->bins, &o->triangles, side, ctx->threads);
+    if (r == VXS_OK)
+        r = memory_check(list_bytes(&o->bins, ctx->threads), ctx->run, "%zu triangles of a map: their lists need",
+                         p->triangle_count);
     return r == VXS_OK ? r : fail(ctx->run, r, "out of memory for the triangles of a map");
 }
 
