@@ -239,7 +239,7 @@ def test_progress(vxs_path, folder, tmp_path, temporary):
     """Runs go round by round; from the second on there is an estimate."""
     master, terminal = open_terminal()
     with subprocess.Popen([vxs_path, "bench", folder / "small.gltf", "-o", tmp_path / "b.json", "--resolution", "64",
-                           "--resolution", "2048", "--runs", "4", "--points", "0"], stdout=subprocess.DEVNULL,
+                           "--resolution", "8192", "--runs", "4", "--points", "0"], stdout=subprocess.DEVNULL,
                           stderr=terminal) as process:
         os.close(terminal)
         said = b""
@@ -252,8 +252,8 @@ def test_progress(vxs_path, folder, tmp_path, temporary):
     lines = [line for line in said.split(b"\r\x1b[K") if line]
     assert process.returncode == 0 and b"\n" not in said and said.endswith(b"\r\x1b[K")
     at = [tuple(map(int, re.match(rb"vxs: run (\d) of 4: small.gltf, (\d+) texels", line).groups())) for line in lines]
-    rounds = [(run, side) for run in range(1, 5) for side in (64, 2048)]
-    assert at == [n for n in rounds if n in at] and {side for _, side in at} == {64, 2048} and len({run for run, _ in at}) == 4
+    rounds = [(run, side) for run in range(1, 5) for side in (64, 8192)]
+    assert at == [n for n in rounds if n in at] and {side for _, side in at} == {64, 8192} and len({run for run, _ in at}) == 4
     assert b"about" not in lines[0] and any(b"about" in line for line in lines[1:])
 
 
