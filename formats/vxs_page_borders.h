@@ -155,18 +155,21 @@ PAGE_INLINE uint32_t likeness(uint32_t left, uint32_t above, uint32_t none)
     return alike[(uint32_t)(left == none) | (uint32_t)(above == none) << 1 | (uint32_t)(left == above) << 2];
 }
 
-/* The least depth on the left of a square and above it; INT16_MAX: none. NEVER, which is -1, is ignored.   side_px  multiple
- * of 8 */
-PAGE_CALL int32_t least_border_depth(const walk *w, uint32_t x0, uint32_t y0, uint32_t side_px)
+/* The least of `depth ^ flip` for the depths on the left of a square and above it; INT16_MAX: none. NEVER, which is -1, is
+ * ignored.   side_px  multiple of 8 */
+PAGE_INLINE int32_t least_of_border(const walk *w, uint32_t x0, uint32_t y0, uint32_t side_px, int16_t flip)
 {
 #ifdef PAGE_SSE2
     __m128i least = _mm_set1_epi16(INT16_MAX), never = _mm_set1_epi16(-1);
+    __m128i flipped_never = _mm_set1_epi16((int16_t)(INT16_MAX ^ ~flip)); /* turns NEVER ^ flip into INT16_MAX */
     for (uint32_t k = 0; k < side_px; k += 8) {
-        __m128i l = _mm_loadu_si128((const __m128i *)(w->left + y0 + k)),
-                a = _mm_loadu_si128((const __m128i *)(w->above + 8 + x0 + k));
-        l         = _mm_xor_si128(l, _mm_slli_epi16(_mm_cmpeq_epi16(l, never), 15)); /* -1 ^ -32768 is INT16_MAX */
-        a         = _mm_xor_si128(a, _mm_slli_epi16(_mm_cmpeq_epi16(a, never), 15));
-        least     = _mm_min_epi16(least, _mm_min_epi16(l, a));
+        __m128i l    = _mm_loadu_si128((const __m128i *)(w->left + y0 + k)),
+                a    = _mm_loadu_si128((const __m128i *)(w->above + 8 + x0 + k));
+        __m128i no_l = _mm_and_si128(_mm_cmpeq_epi16(l, never), flipped_never),
+                no_a = _mm_and_si128(_mm_cmpeq_epi16(a, never), flipped_never);
+        l            = _mm_xor_si128(_mm_xor_si128(l, _mm_set1_epi16(flip)), no_l);
+        a            = _mm_xor_si128(_mm_xor_si128(a, _mm_set1_epi16(flip)), no_a);
+        least        = _mm_min_epi16(least, _mm_min_epi16(l, a));
     }
     least = _mm_min_epi16(least, _mm_srli_si128(least, 8));
     least = _mm_min_epi16(least, _mm_srli_si128(least, 4));
@@ -175,37 +178,23 @@ PAGE_CALL int32_t least_border_depth(const walk *w, uint32_t x0, uint32_t y0, ui
     int32_t least = INT16_MAX;
     for (uint32_t k = 0; k < side_px; k++) {
         int32_t l = w->left[y0 + k], a = w->above[8 + x0 + k];
-        if (l < least && l != (int16_t)NEVER) least = l;
-        if (a < least && a != (int16_t)NEVER) least = a;
+        if ((l ^ flip) < least && l != (int16_t)NEVER) least = l ^ flip;
+        if ((a ^ flip) < least && a != (int16_t)NEVER) least = a ^ flip;
     }
     return least;
 #endif
 }
 
-/* The greatest of these depths of a block, as far as they are not NEVER; INT16_MIN: none. */
+/* The least depth on the left of a square and above it; INT16_MAX: none. */
+PAGE_CALL int32_t least_border_depth(const walk *w, uint32_t x0, uint32_t y0, uint32_t side_px)
+{
+    return least_of_border(w, x0, y0, side_px, 0);
+}
+
+/* The greatest of these depths of a block; INT16_MIN: none. */
 PAGE_CALL int32_t greatest_border_depth(const walk *w, uint32_t x0, uint32_t y0)
 {
-#ifdef PAGE_SSE2
-    __m128i most = _mm_set1_epi16(INT16_MIN), never = _mm_set1_epi16(-1);
-    for (uint32_t k = 0; k < BLOCK_PX; k += 8) {
-        __m128i l = _mm_loadu_si128((const __m128i *)(w->left + y0 + k)),
-                a = _mm_loadu_si128((const __m128i *)(w->above + 8 + x0 + k));
-        l         = _mm_xor_si128(l, _mm_srli_epi16(_mm_cmpeq_epi16(l, never), 1)); /* -1 ^ 32767 is INT16_MIN */
-        a         = _mm_xor_si128(a, _mm_srli_epi16(_mm_cmpeq_epi16(a, never), 1));
-        most      = _mm_max_epi16(most, _mm_max_epi16(l, a));
-    }
-    most = _mm_max_epi16(most, _mm_srli_si128(most, 8));
-    most = _mm_max_epi16(most, _mm_srli_si128(most, 4));
-    return (int16_t)_mm_cvtsi128_si32(_mm_max_epi16(most, _mm_srli_si128(most, 2)));
-#else
-    int32_t most = INT16_MIN;
-    for (uint32_t k = 0; k < BLOCK_PX; k++) {
-        int32_t l = w->left[y0 + k], a = w->above[8 + x0 + k];
-        if (l > most && l != (int16_t)NEVER) most = l;
-        if (a > most && a != (int16_t)NEVER) most = a;
-    }
-    return most;
-#endif
+    return ~least_of_border(w, x0, y0, BLOCK_PX, -1);
 }
 
 /* Mark that there is no plane beside the next squares. */
