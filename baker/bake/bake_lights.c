@@ -6,7 +6,6 @@
 
 #include "baker/bake/bake_light.h"
 #include "baker/bake/light_columns.h"
-#include "baker/base/clock.h"
 #include "baker/base/parallel_runs.h"
 #include "baker/base/threads.h"
 

@@ -16,8 +16,8 @@ typedef struct piece {
 typedef struct pieces {
     piece     *all;
     atomic_int failed; /* 1: a piece has failed: those that have not begun are not needed, if they come later */
-    vxs_result (*body)(void *user, size_t n, uint32_t worker, run_context *own);
-    void *user;
+    run_piece *run;
+    void      *user;
 } pieces;
 
 /* Pieces begin in order, so all before a failed one have begun. */
@@ -26,7 +26,7 @@ static void run_some(void *user, size_t begin, size_t end, uint32_t worker)
     pieces *p = user;
     for (size_t n = begin; n < end; n++) {
         if (atomic_load(&p->failed)) continue;
-        p->all[n].result = p->body(p->user, n, worker, &p->all[n].own);
+        p->all[n].result = p->run(p->user, n, worker, &p->all[n].own);
         if (p->all[n].result != VXS_OK) atomic_store(&p->failed, 1);
     }
 }
@@ -34,14 +34,13 @@ static void run_some(void *user, size_t begin, size_t end, uint32_t worker)
 static vxs_result run_in_turn(pieces *p, size_t count, run_context *m)
 {
     vxs_result r = VXS_OK;
-    for (size_t n = 0; n < count && r == VXS_OK; n++) r = p->body(p->user, n, 0, m);
+    for (size_t n = 0; n < count && r == VXS_OK; n++) r = p->run(p->user, n, 0, m);
     return r;
 }
 
-vxs_result parallel_runs(uint32_t threads, size_t                                                           count,
-                         vxs_result (*body)(void *user, size_t n, uint32_t worker, run_context *own), void *user, run_context *m)
+vxs_result parallel_runs(uint32_t threads, size_t count, run_piece *run, void *user, run_context *m)
 {
-    pieces     p = {.body = body, .user = user};
+    pieces     p = {.run = run, .user = user};
     vxs_result r = VXS_OK;
     if (threads <= 1 || count <= 1) return run_in_turn(&p, count, m);
     if (!(p.all = calloc(count, sizeof *p.all))) return fail(m, VXS_E_MEMORY, "out of memory for the messages of %zu parts", count);
