@@ -14,7 +14,7 @@
 #   make check-repeats  every test with all its random inputs, of which the others take a part, and tests marked long, and unit programs that check
 #                       leaves out (long.unit): half an hour; before an issue is resolved
 #   make check-exact    every voxel of maps twice as fine, and ten times as many columns of fine ones: some minutes
-#   make check-memory   bake every real scene within half and twice of the memory that it needs, watched from outside: half an hour
+#   make check-memory   bake every real scene within half and twice of the memory that it needs, watched from outside: a minute
 #   make check-faults   kill bakes and ranks 50 times each, flip every bit, and bake large maps with too little memory: some minutes
 #   make check-sparse   maps straight from triangles, at length: stress scenes, rendered maps, 262144 texels a side; half an hour, or part=stress,
 #                       sources or columns (tests/exact/sparse.py)
@@ -25,7 +25,7 @@
 #   make fuzz-minimise  leave out inputs that no fuzzer needs for its coverage; those that once showed a fault stay
 #   make fuzz-commands  random command lines over files of all kinds, for seconds=60; config=asan finds more, seed=2 tries others
 #   make bench          measure; a table to read, and JSON to $(BENCH_JSON)
-#   make bench-large    measure maps of up to 262144 texels a side, straight from triangles: six minutes; JSON to build/large.json;
+#   make bench-large    measure maps of up to 262144 texels a side, straight from triangles: three minutes; JSON to build/large.json;
 #                       against=VXS: beside another build of the command
 #   make bench-lights   measure frames lit by 165 spot lights; JSON to build/lights.json (tests/bench/lights.py: gl=egl for a graphics card)
 #   make check-drivers  unit programs that draw, with other OpenGL drivers: llvmpipe by EGL, zink, softpipe; driver=zink: one
