@@ -13,11 +13,6 @@ typedef struct reduction {
     uint32_t             side;
 } reduction;
 
-static column_bounds unite(column_bounds a, column_bounds b)
-{
-    return (column_bounds){min_u32(a.emin, b.emin), max_u32(a.emax, b.emax), min_u32(a.xmin, b.xmin), max_u32(a.xmax, b.xmax)};
-}
-
 static void reduce_rows(void *user, size_t begin, size_t end, uint32_t worker)
 {
     const reduction *r = user;
@@ -25,7 +20,7 @@ static void reduce_rows(void *user, size_t begin, size_t end, uint32_t worker)
     for (size_t j = begin; j < end; j++)
         for (size_t i = 0; i < r->side; i++) {
             const column_bounds *near = r->finer + 4 * j * r->side + 2 * i, *next = near + (size_t)2 * r->side;
-            r->level[j * r->side + i] = unite(unite(near[0], near[1]), unite(next[0], next[1]));
+            r->level[j * r->side + i] = bounds_of_four(near, next);
         }
 }
 

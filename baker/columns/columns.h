@@ -126,6 +126,17 @@ static inline column_bounds bounds_empty(uint32_t depth_vx)
     return (column_bounds){depth_vx, depth_vx, depth_vx, depth_vx};
 }
 
+static inline column_bounds bounds_of_both(column_bounds a, column_bounds b)
+{
+    return (column_bounds){min_u32(a.emin, b.emin), max_u32(a.emax, b.emax), min_u32(a.xmin, b.xmin), max_u32(a.xmax, b.xmax)};
+}
+
+/* Bounds of a square from its quarters: two beside each other, and the next two. */
+static inline column_bounds bounds_of_four(const column_bounds near[2], const column_bounds next[2])
+{
+    return bounds_of_both(bounds_of_both(near[0], near[1]), bounds_of_both(next[0], next[1]));
+}
+
 /* Conversion from the depths of a map to voxels. Depths grow away from the light. Directional light: shares of the whole depth, [0,
  * 1]; 1 is no caster. Perspective map: -near / z, [-1, 0]; 0 is no caster, and distance z is log(z / near) / voxel_log voxels
  * deep ([CPVS16] 5). */

@@ -63,17 +63,29 @@ static size_t tile_at(const sparse_square *q, texel_square at)
     return (size_t)((at.v - q->at.v) / 8) * (q->at.side / 8) + (at.u - q->at.u) / 8;
 }
 
+/* The bounds of a part, which is not within a settled square. */
+static column_bounds *bounds_at(const sparse_square *q, texel_square at)
+{
+    const uint32_t level = square_level(at.side), shift = level + 3;
+    return &q->pyramid[level][(size_t)((at.v - q->at.v) >> shift) * (q->at.side >> shift) + ((at.u - q->at.u) >> shift)];
+}
+
+/* Settle a square. */
 static void set_bounds(sparse_square *q, texel_square at, column_bounds b)
 {
-    if (at.side == q->at.side) {
-        q->is_settled = 1;
-        q->settled    = b;
-        return;
-    }
-    uint32_t       across = q->at.side / 8, side = at.side / 8;
-    column_bounds *corner = q->pyramid[0] + tile_at(q, at);
-    for (uint32_t j = 0; j < side; j++)
-        for (uint32_t i = 0; i < side; i++) corner[(size_t)j * across + i] = b;
+    const size_t across = q->at.side / 8, side = at.side / 8, corner = tile_at(q, at);
+    *bounds_at(q, at) = b;
+    q->levels[corner] = 0;
+    q->tiles[corner]  = NULL;
+    for (size_t j = 0; j < side && side > 1; j++) memset(q->levels + corner + j * across, (int)square_level(at.side), side);
+}
+
+/* Set the bounds of a square that is split from those of its quarters. */
+static void unite_bounds(sparse_square *q, texel_square at)
+{
+    const uint32_t       half = at.side / 2;
+    const column_bounds *near = bounds_at(q, (texel_square){at.u, at.v, half}), *next = near + (q->at.side >> log2_u32(half));
+    *bounds_at(q, at) = bounds_of_four(near, next);
 }
 
 /* Where the worker's next tile goes. Returns NULL without memory. */
@@ -152,6 +164,7 @@ static int make_square(const square_maker *w, square_worker *worker, texel_squar
         texel_square part = {at.u + (n & 1) * half, at.v + (n >> 1) * half, half};
         if (!make_square(w, worker, part, bound, &quarter[n])) return 0;
     }
+    unite_bounds(w->q, at);
     return 1;
 }
 
@@ -180,17 +193,14 @@ static int make_room(sparse_square *q, texel_square at, uint32_t threads)
     size_t   squares = 0, tiles = (size_t)(at.side / 8) * (at.side / 8);
     uint32_t l = 0;
     if (q->at.side != at.side || q->worker_count < threads) sparse_square_free(q);
-    q->at         = at;
-    q->is_settled = 0;
-    if (q->pyramid[0]) {
-        memset(q->tiles, 0, tiles * sizeof *q->tiles);
-        return 1;
-    }
+    q->at = at;
+    if (q->pyramid[0]) return 1;
     for (uint32_t side = at.side / 8; side; side /= 2) squares += (size_t)side * side;
     q->pyramid[0] = malloc(squares * sizeof *q->pyramid[0]);
-    q->tiles      = calloc(tiles, sizeof *q->tiles);
+    q->tiles      = malloc(tiles * sizeof *q->tiles);
+    q->levels     = malloc(tiles);
     q->workers    = calloc(threads, sizeof *q->workers);
-    if (!q->pyramid[0] || !q->tiles || !q->workers) return 0;
+    if (!q->pyramid[0] || !q->tiles || !q->levels || !q->workers) return 0;
     q->worker_count = threads;
     for (uint32_t side = at.side / 8; side > 1; side /= 2, l++) q->pyramid[l + 1] = q->pyramid[l] + (size_t)side * side;
     return 1;
@@ -207,7 +217,7 @@ vxs_result sparse_square_make(sparse_square *q, const sparse_level *level, const
     q->scale = d->scale;
     parallel_for(threads, tasks, 1, make_tasks, &w);
     if (w.out_of_memory) return VXS_E_MEMORY;
-    if (!q->is_settled) bounds_pyramid_reduce(q->pyramid, at.side / 8, threads);
+    bounds_pyramid_reduce(q->pyramid + square_level(w.task_px), across, threads);
     return VXS_OK;
 }
 
@@ -240,6 +250,7 @@ void sparse_square_free(sparse_square *q)
         free(w->leaf.backs);
     }
     free(q->workers);
+    free(q->levels);
     free(q->tiles);
     free(q->pyramid[0]);
     *q = (sparse_square){0};
@@ -249,8 +260,10 @@ void sparse_square_free(sparse_square *q)
 
 static vxs_result square_bounds(void *data, uint32_t level, uint32_t i, uint32_t j, column_bounds *out)
 {
-    const sparse_square *q = data;
-    *out                   = q->is_settled ? q->settled : q->pyramid[level][(size_t)j * (q->at.side >> (3 + level)) + i];
+    const sparse_square *q      = data;
+    const uint32_t       across = q->at.side / 8, settled = q->levels[((size_t)j << level) * across + ((size_t)i << level)];
+    const uint32_t       up = settled > level ? settled - level : 0;
+    *out                    = q->pyramid[level + up][(size_t)(j >> up) * (across >> (level + up)) + (i >> up)];
     return VXS_OK;
 }
 
@@ -258,11 +271,12 @@ static vxs_result square_tile(void *data, uint32_t i, uint32_t j, column_tile *o
 {
     const sparse_square *q  = data;
     size_t               at = (size_t)j * (q->at.side / 8) + i;
-    if (q->tiles[at]) {
+    column_bounds        b;
+    if (!q->levels[at] && q->tiles[at]) {
         *out = *q->tiles[at];
         return VXS_OK;
     }
-    const column_bounds b = q->is_settled ? q->settled : q->pyramid[0][at];
+    square_bounds(data, 0, i, j, &b);
     for (int n = 0; n < 64; n++) {
         out->e[n] = b.emax;
         out->x[n] = b.xmin;

@@ -21,11 +21,11 @@ typedef struct square_worker square_worker;
 typedef struct sparse_square {
     texel_square   at;
     depth_scale    scale;
-    column_bounds *pyramid[SPARSE_LEVELS_MAX]; /* [l]: squares of 8 << l texels, rows of squares; pyramid[0] owns all */
-    column_tile  **tiles;                      /* [(side / 8)^2] NULL: all columns equal the bounds */
-    int            is_settled;                 /* 1: `settled` has the bounds of the whole square, and there is no pyramid */
-    column_bounds  settled;
-    square_worker *workers; /* [worker_count] scratch memory of each thread, and the pages that own the tiles */
+    column_bounds *pyramid[SPARSE_LEVELS_MAX]; /* [l]: squares of 8 << l texels, rows of squares; unset within a settled square.
+                                                  pyramid[0] owns all */
+    column_tile  **tiles;                      /* [(side / 8)^2] of level 0. NULL: all columns equal the bounds */
+    uint8_t       *levels;                     /* [(side / 8)^2] level of the square that is settled around a tile, or 0 */
+    square_worker *workers;                    /* [worker_count] scratch memory of each thread, and the pages that own the tiles */
     uint32_t       worker_count;
 } sparse_square;
 
