@@ -76,6 +76,12 @@ uint32_t vxs_page_word_count(const uint8_t *bytes, size_t size_bytes);
 vxs_result vxs_page_decode(uint32_t *words, const uint8_t *bytes, size_t size_bytes, const vxs_page_node *nodes,
                            uint32_t node_count, const vxs_common *common, vxs_page_scratch *scratch);
 
+/* Working memory for encoding, one for each thread, for any number of pages, one at a time: some 2 MiB, which grow with the
+ * symbols of a page. vxs_page_encoder_new returns NULL without memory; vxs_page_encoder_free accepts NULL. */
+typedef struct vxs_page_encoder vxs_page_encoder;
+vxs_page_encoder               *vxs_page_encoder_new(void);
+void                            vxs_page_encoder_free(vxs_page_encoder *e);
+
 /* Append the bytes of a page.
  * out     grown with realloc
  * words   [word_count] of a page in canonical order, 1..VXS_PAGE_WORDS_MAX
@@ -84,18 +90,8 @@ vxs_result vxs_page_decode(uint32_t *words, const uint8_t *bytes, size_t size_by
  * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT: the page is not in canonical order, or breaks a rule of the layout, so it
  * would not decode to the same words. This is checked on each page: the walk of the decoder makes the words a second time, and
  * each step of the entropy coder is undone. The runtime library does not contain this function. */
-vxs_result vxs_page_encode(vxs_bytes *out, const uint32_t *words, uint32_t word_count, const vxs_page_node *nodes,
-                           uint32_t node_count, const vxs_common *common);
-
-/* Working memory for encoding, one for each thread, for any number of pages, one at a time: some 2 MiB, which grow with the
- * symbols of a page. vxs_page_encoder_new returns NULL without memory; vxs_page_encoder_free accepts NULL. */
-typedef struct vxs_page_encoder vxs_page_encoder;
-vxs_page_encoder               *vxs_page_encoder_new(void);
-void                            vxs_page_encoder_free(vxs_page_encoder *e);
-
-/* vxs_page_encode, with this memory. */
-vxs_result vxs_page_encode_by(vxs_page_encoder *e, vxs_bytes *out, const uint32_t *words, uint32_t word_count,
-                              const vxs_page_node *nodes, uint32_t node_count, const vxs_common *common);
+vxs_result vxs_page_encode(vxs_page_encoder *e, vxs_bytes *out, const uint32_t *words, uint32_t word_count,
+                           const vxs_page_node *nodes, uint32_t node_count, const vxs_common *common);
 
 /* Sizes of the resident part of a light. */
 typedef struct vxs_resident_sizes {
@@ -128,15 +124,6 @@ vxs_result vxs_resident_sizes_of(vxs_resident_sizes *sizes, const uint8_t *bytes
 vxs_result vxs_resident_decode(vxs_resident *out, uint32_t levels, uint32_t map_count, const uint8_t *bytes, size_t size_bytes,
                                vxs_page_scratch *scratch);
 
-/* Append the bytes of a resident part.
- * out     grown with realloc
- * words   [word_count] in this order: head, words of pages (any values), tops of maps 0.., each followed by the entries of
- *         its cells in z order, the common pool
- * common  the pool; common->words is not read
- * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT: it would not decode to the same words. */
-vxs_result vxs_resident_encode(vxs_bytes *out, const uint32_t *words, uint32_t word_count, uint32_t levels, uint32_t map_count,
-                               const vxs_common *common);
-
 /* The nodes of a light's pages, as a decoder finds them in the resident part. Release both arrays with free. */
 typedef struct vxs_page_nodes {
     vxs_page_node *nodes;      /* [node_count] page by page */
@@ -144,9 +131,15 @@ typedef struct vxs_page_nodes {
     uint32_t       node_count;
 } vxs_page_nodes;
 
-/* The same, with these nodes.   nodes  [out] zeroed after an error */
-vxs_result vxs_resident_encode_nodes(vxs_bytes *out, vxs_page_nodes *nodes, const uint32_t *words, uint32_t word_count,
-                                     uint32_t levels, uint32_t map_count, const vxs_common *common);
+/* Append the bytes of a resident part.
+ * out     grown with realloc
+ * nodes   [out] zeroed after an error
+ * words   [word_count] in this order: head, words of pages (any values), tops of maps 0.., each followed by the entries of
+ *         its cells in z order, the common pool
+ * common  the pool; common->words is not read
+ * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT: it would not decode to the same words. */
+vxs_result vxs_resident_encode(vxs_bytes *out, vxs_page_nodes *nodes, const uint32_t *words, uint32_t word_count, uint32_t levels,
+                               uint32_t map_count, const vxs_common *common);
 
 /* Index the patterns of a common pool.
  * patterns  [pattern_count] out; common->patterns will point to it

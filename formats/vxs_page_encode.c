@@ -79,8 +79,8 @@ void vxs_page_encoder_free(vxs_page_encoder *e)
     free(e);
 }
 
-vxs_result vxs_page_encode_by(vxs_page_encoder *e, vxs_bytes *out, const uint32_t *words, uint32_t word_count,
-                              const vxs_page_node *nodes, uint32_t node_count, const vxs_common *common)
+vxs_result vxs_page_encode(vxs_page_encoder *e, vxs_bytes *out, const uint32_t *words, uint32_t word_count,
+                           const vxs_page_node *nodes, uint32_t node_count, const vxs_common *common)
 {
     if (!node_count || !word_count || word_count > VXS_PAGE_WORDS_MAX) return VXS_E_ARGUMENT;
     walk   w      = {.c            = {.parts = e->symbols.parts, .capacity = e->symbols.capacity},
@@ -109,17 +109,8 @@ vxs_result vxs_page_encode_by(vxs_page_encoder *e, vxs_bytes *out, const uint32_
     return r;
 }
 
-vxs_result vxs_page_encode(vxs_bytes *out, const uint32_t *words, uint32_t word_count, const vxs_page_node *nodes,
-                           uint32_t node_count, const vxs_common *common)
-{
-    vxs_page_encoder *e = vxs_page_encoder_new();
-    vxs_result        r = e ? vxs_page_encode_by(e, out, words, word_count, nodes, node_count, common) : VXS_E_MEMORY;
-    vxs_page_encoder_free(e);
-    return r;
-}
-
-vxs_result vxs_resident_encode_nodes(vxs_bytes *out, vxs_page_nodes *nodes, const uint32_t *words, uint32_t word_count,
-                                     uint32_t levels, uint32_t map_count, const vxs_common *common)
+vxs_result vxs_resident_encode(vxs_bytes *out, vxs_page_nodes *nodes, const uint32_t *words, uint32_t word_count, uint32_t levels,
+                               uint32_t map_count, const vxs_common *common)
 {
     *nodes = (vxs_page_nodes){0};
     if (word_count < RESIDENT_WORDS || words[0] > VXS_PAGES_MAX) return VXS_E_ARGUMENT;
@@ -163,16 +154,6 @@ vxs_result vxs_resident_encode_nodes(vxs_bytes *out, vxs_page_nodes *nodes, cons
     free(r.nodes);
     free(r.page_first);
     return result;
-}
-
-vxs_result vxs_resident_encode(vxs_bytes *out, const uint32_t *words, uint32_t word_count, uint32_t levels, uint32_t map_count,
-                               const vxs_common *common)
-{
-    vxs_page_nodes nodes;
-    vxs_result     r = vxs_resident_encode_nodes(out, &nodes, words, word_count, levels, map_count, common);
-    free(nodes.nodes);
-    free(nodes.page_first);
-    return r;
 }
 
 /* Number of halves of a pattern over `depths` depths at a half of the source; the pattern is valid (read_source). */

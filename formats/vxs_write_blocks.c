@@ -136,7 +136,7 @@ static void encode_some_pages(void *work, uint32_t task)
         const vxs_page_node *nodes      = k->nodes + k->page_first[page];
         uint32_t             node_count = k->page_first[page + 1] - k->page_first[page];
         if (encoder)
-            to->result = vxs_page_encode_by(encoder, &to->bytes, words, count, nodes, node_count, e->pool);
+            to->result = vxs_page_encode(encoder, &to->bytes, words, count, nodes, node_count, e->pool);
         else if (marks && zstd)
             to->result = vxs_page_pack(&to->bytes, words, count, nodes, node_count, marks, zstd);
         else
@@ -187,8 +187,7 @@ vxs_result vxs_write_blocks(vxs_sections *s, const vxs_blocks_view *view, const 
     for (uint32_t padding = 0; padding < 2 && padding <= halves && r == VXS_E_ARGUMENT; padding++)
         r = vxs_common_index(&common, patterns, view->common_kinds, view->common_count, pool, halves - padding);
     if (r == VXS_OK)
-        r = vxs_resident_encode_nodes(&resident, &known, view->words, page_start(view, 0), light->levels, vxs_map_count(light),
-                                      &common);
+        r = vxs_resident_encode(&resident, &known, view->words, page_start(view, 0), light->levels, vxs_map_count(light), &common);
     common.packing = view->packing;
     if (r == VXS_OK) {
         uint32_t     count = view->words[PAGE_COUNT_WORD];

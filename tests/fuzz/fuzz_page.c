@@ -11,6 +11,7 @@
 #include "formats/vxs_bytes.h"
 #include "formats/vxs_page_fast.h"
 #include "fuzz.h"
+#include "tests/unit/page_encoded.h"
 #include "tests/unit/page_sample.h"
 
 enum { NODES_MAX = 8, WORDS_MAX = 1 << 20 };
@@ -45,7 +46,7 @@ static void check_named_words(const uint32_t *words, uint32_t count, const vxs_p
 {
     vxs_bytes  coded = {0}, packed = {0};
     ZSTD_CCtx *zstd   = ZSTD_createCCtx();
-    vxs_result wanted = vxs_page_encode(&coded, words, count, nodes, node_count, &common.common);
+    vxs_result wanted = page_encoded(&coded, words, count, nodes, node_count, &common.common);
     FUZZ_CHECK(zstd && vxs_page_pack(&packed, words, count, nodes, node_count, &marks, zstd) == wanted);
     ZSTD_freeCCtx(zstd);
     free(coded.data);
@@ -85,7 +86,7 @@ static void read_page(const uint8_t *data, size_t size)
     if (result == VXS_OK) {
         FUZZ_CHECK(check_page(page, words, nodes, count, &common.common));
         vxs_bytes again = {0};
-        result          = vxs_page_encode(&again, page, words, nodes, count, &common.common);
+        result          = page_encoded(&again, page, words, nodes, count, &common.common);
         FUZZ_CHECK(result == VXS_OK || result == VXS_E_ARGUMENT); /* it may be no canonical one */
         free(again.data);
     }

@@ -7,6 +7,7 @@
 
 #include "formats/vxs_page_encode.c" /* no part of the runtime, on which fuzz_vxs stands */
 #include "fuzz.h"
+#include "tests/unit/page_encoded.h"
 
 enum { PLACES_MAX = 4096, LIGHT_WORDS_MAX = 1 << 18 };
 
@@ -93,7 +94,7 @@ static void change_resident(vxs_bytes *out, light_pages *l, uint32_t levels, uin
     at   = first + place % count;
     kept = r->words[at];
     change_some_word(r->words, first, count, place, number);
-    (void)vxs_resident_encode(out, r->words, l->sizes.word_count, levels, map_count, &r->common);
+    (void)resident_encoded(out, r->words, l->sizes.word_count, levels, map_count, &r->common);
     r->words[at] = kept;
 }
 
@@ -117,7 +118,7 @@ static void change_plane(vxs_bytes *out, const light_pages *l, uint32_t page, co
             change_some_word(words, 0, count, place, number);
         else if (places.count)
             words[half / 2] ^= ((get_half(words, half) ^ number) & 0xffff) << 16 * (half & 1);
-        if (any || places.count) (void)vxs_page_encode(out, words, count, nodes, node_count, &r->common);
+        if (any || places.count) (void)page_encoded(out, words, count, nodes, node_count, &r->common);
     }
     free(words);
 }

@@ -23,6 +23,7 @@
 
 #include "tests/columns/stored_maps.h"
 #include "tests/unit/blocks_built.h"
+#include "tests/unit/page_encoded.h"
 #include "tests/unit/repeats.h"
 
 /* a map with depth maps in one place of it ------------------------------------------------------------------------------------ */
@@ -139,7 +140,7 @@ static size_t assert_coded(const block_words *w, uint32_t levels, uint32_t map_c
     vxs_resident_sizes sizes;
     assert_int_equal(vxs_common_index(&common, known, w->common_kinds, w->common_count, w->words + common_start, w->common_halves),
                      VXS_OK);
-    assert_int_equal(vxs_resident_encode(&bytes, w->words, resident_words, levels, map_count, &common), VXS_OK);
+    assert_int_equal(resident_encoded(&bytes, w->words, resident_words, levels, map_count, &common), VXS_OK);
     assert_int_equal(vxs_resident_sizes_of(&sizes, bytes.data, bytes.size_bytes), VXS_OK);
     assert_true(sizes.word_count == resident_words && sizes.page_count == pages);
 
@@ -155,7 +156,7 @@ static size_t assert_coded(const block_words *w, uint32_t levels, uint32_t map_c
         const vxs_page_node *nodes      = back.nodes + back.page_first[p];
         uint32_t             node_count = back.page_first[p + 1] - back.page_first[p], *words = malloc(count * sizeof *words);
         size_t               from = bytes.size_bytes;
-        assert_int_equal(vxs_page_encode(&bytes, w->words + start, count, nodes, node_count, &back.common), VXS_OK);
+        assert_int_equal(page_encoded(&bytes, w->words + start, count, nodes, node_count, &back.common), VXS_OK);
         assert_int_equal(vxs_page_word_count(bytes.data + from, bytes.size_bytes - from), count);
         assert_int_equal(
             vxs_page_decode(words, bytes.data + from, bytes.size_bytes - from, nodes, node_count, &back.common, scratch), VXS_OK);

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "page_encoded.h"
 #include "resident_sample.h"
 
 #include <cmocka.h>
@@ -79,7 +80,7 @@ static uint32_t *decode(const uint8_t *bytes, size_t size, uint32_t *word_count,
 static vxs_bytes encoded(void)
 {
     vxs_bytes bytes = {0};
-    assert_int_equal(vxs_page_encode(&bytes, page.words, page.word_count, page.nodes, page.node_count, &common.common), VXS_OK);
+    assert_int_equal(page_encoded(&bytes, page.words, page.word_count, page.nodes, page.node_count, &common.common), VXS_OK);
     return bytes;
 }
 
@@ -133,11 +134,11 @@ static void a_page_is_coded_alone(void **state)
     assert_int_equal(sample_common_make(&r, &common, 20), VXS_OK);
     sample_page_make(&r, &page, &common, 5);
     vxs_bytes first = encoded(), second = {0};
-    assert_int_equal(vxs_page_encode(&second, page.words, page.word_count, page.nodes, page.node_count, &common.common), VXS_OK);
+    assert_int_equal(page_encoded(&second, page.words, page.word_count, page.nodes, page.node_count, &common.common), VXS_OK);
     assert_int_equal(first.size_bytes, second.size_bytes);
     assert_memory_equal(first.data, second.data, first.size_bytes);
     /* appended, not overwritten */
-    assert_int_equal(vxs_page_encode(&second, page.words, page.word_count, page.nodes, page.node_count, &common.common), VXS_OK);
+    assert_int_equal(page_encoded(&second, page.words, page.word_count, page.nodes, page.node_count, &common.common), VXS_OK);
     assert_int_equal(second.size_bytes, 2 * first.size_bytes);
     assert_memory_equal(first.data, second.data + first.size_bytes, first.size_bytes);
     free(first.data);
@@ -244,7 +245,7 @@ static void changed_words_are_refused_or_come_back(void **state)
             uint32_t at = rng_below(&r, page.word_count), bit = rng_below(&r, 32), was = page.words[at];
             page.words[at] ^= 1u << bit;
             vxs_bytes  bytes  = {0};
-            vxs_result result = vxs_page_encode(&bytes, page.words, page.word_count, page.nodes, page.node_count, &common.common);
+            vxs_result result = page_encoded(&bytes, page.words, page.word_count, page.nodes, page.node_count, &common.common);
             tried++;
             if (result == VXS_OK) {
                 uint32_t  count;
@@ -263,11 +264,10 @@ static void changed_words_are_refused_or_come_back(void **state)
     }
     assert_true(refused > tried / 10);
     vxs_bytes none = {0};
-    assert_int_equal(vxs_page_encode(&none, page.words, page.word_count, page.nodes, 0, &common.common), VXS_E_ARGUMENT);
-    assert_int_equal(vxs_page_encode(&none, page.words, 0, page.nodes, page.node_count, &common.common), VXS_E_ARGUMENT);
+    assert_int_equal(page_encoded(&none, page.words, page.word_count, page.nodes, 0, &common.common), VXS_E_ARGUMENT);
+    assert_int_equal(page_encoded(&none, page.words, 0, page.nodes, page.node_count, &common.common), VXS_E_ARGUMENT);
     page.nodes[0].offset = 1;
-    assert_int_equal(vxs_page_encode(&none, page.words, page.word_count, page.nodes, page.node_count, &common.common),
-                     VXS_E_ARGUMENT);
+    assert_int_equal(page_encoded(&none, page.words, page.word_count, page.nodes, page.node_count, &common.common), VXS_E_ARGUMENT);
     free(none.data);
 }
 
@@ -356,7 +356,7 @@ static void resident_parts_come_back(void **state)
         vxs_bytes    bytes = {0};
         assert_int_equal(sample_common_make(&r, &common, (uint32_t)seed % SAMPLE_COMMON_MAX), VXS_OK);
         light_make(&r, &l, &common, levels[seed % 9], seed % 4 == 1 ? 6 : 1);
-        assert_int_equal(vxs_resident_encode(&bytes, l.words, l.word_count, l.levels, l.map_count, &common.common), VXS_OK);
+        assert_int_equal(resident_encoded(&bytes, l.words, l.word_count, l.levels, l.map_count, &common.common), VXS_OK);
         for (int plain = 0; plain < 2; plain++) {
             vxs_resident       o;
             vxs_resident_sizes sizes;
@@ -377,7 +377,7 @@ static void resident_parts_come_back(void **state)
         if (l.page_count) {
             l.words[8]     = 1; /* a page that is there is not reported */
             vxs_bytes same = {0};
-            assert_int_equal(vxs_resident_encode(&same, l.words, l.word_count, l.levels, l.map_count, &common.common), VXS_OK);
+            assert_int_equal(resident_encoded(&same, l.words, l.word_count, l.levels, l.map_count, &common.common), VXS_OK);
             assert_int_equal(same.size_bytes, bytes.size_bytes);
             assert_memory_equal(same.data, bytes.data, same.size_bytes);
             free(same.data);
@@ -396,7 +396,7 @@ static void damaged_resident_parts_do_no_harm(void **state)
         vxs_bytes    bytes = {0};
         assert_int_equal(sample_common_make(&r, &common, 10), VXS_OK);
         light_make(&r, &l, &common, seed % 3 == 2 ? 15 : 10, 1);
-        assert_int_equal(vxs_resident_encode(&bytes, l.words, l.word_count, l.levels, l.map_count, &common.common), VXS_OK);
+        assert_int_equal(resident_encoded(&bytes, l.words, l.word_count, l.levels, l.map_count, &common.common), VXS_OK);
         size_t step = 1 + bytes.size_bytes / 150;
         for (size_t n = 0; n < bytes.size_bytes / step + 8 * bytes.size_bytes / step; n++) {
             size_t             bit = n * step, size = bytes.size_bytes;
@@ -416,7 +416,7 @@ static void damaged_resident_parts_do_no_harm(void **state)
         }
         l.words[1]++;
         vxs_bytes none = {0};
-        assert_int_equal(vxs_resident_encode(&none, l.words, l.word_count, l.levels, l.map_count, &common.common), VXS_E_ARGUMENT);
+        assert_int_equal(resident_encoded(&none, l.words, l.word_count, l.levels, l.map_count, &common.common), VXS_E_ARGUMENT);
         free(none.data);
         free(bytes.data);
         light_free(&l);
@@ -445,7 +445,7 @@ static void min_is_not_above_max(void **state)
         vxs_resident       o;
         vxs_resident_sizes sizes;
         vxs_bytes          bytes = {0};
-        vxs_result         made  = vxs_resident_encode(&bytes, words, l.word_count, l.levels, l.map_count, &nothing);
+        vxs_result         made  = resident_encoded(&bytes, words, l.word_count, l.levels, l.map_count, &nothing);
         assert_int_equal(made, min > max ? VXS_E_ARGUMENT : VXS_OK);
         if (made == VXS_OK) assert_int_equal(bytes.size_bytes, BYTES);
         if (made == VXS_OK) assert_memory_equal(bytes.data, entries[n].bytes, BYTES);
@@ -474,8 +474,8 @@ static int write_sample(FILE *to, uint64_t seed)
     assert_int_equal(sample_common_make(&r, &common, (uint32_t)seed * 7 % SAMPLE_COMMON_MAX), VXS_OK);
     sample_page_make(&r, &page, &common, 1 + (uint32_t)seed % 20);
     light_make(&r, &l, &common, seed == 7 ? 15 : levels[seed % 6], seed % 4 == 1 ? 6 : 1);
-    assert_int_equal(vxs_resident_encode(&resident, l.words, l.word_count, l.levels, l.map_count, &common.common), VXS_OK);
-    assert_int_equal(vxs_page_encode(&bytes, page.words, page.word_count, page.nodes, page.node_count, &common.common), VXS_OK);
+    assert_int_equal(resident_encoded(&resident, l.words, l.word_count, l.levels, l.map_count, &common.common), VXS_OK);
+    assert_int_equal(page_encoded(&bytes, page.words, page.word_count, page.nodes, page.node_count, &common.common), VXS_OK);
 
     const uint32_t counts[] = {l.levels,        l.map_count,     (uint32_t)resident.size_bytes,
                                l.word_count,    l.node_count,    common.common.packing,

@@ -11,6 +11,7 @@
 
 #include "formats/vxs_bytes.h"
 #include "formats/vxs_page_fast.h"
+#include "page_encoded.h"
 #include "resident_sample.h"
 #include "tests/unit/repeats.h"
 
@@ -223,7 +224,7 @@ static void words_are_taken_where_the_coder_takes_them(void **state)
         for (int n = 0; n < 60; n++) {
             vxs_bytes coded = {0}, bytes;
             change_words(&r, page.words, page.word_count, page.blocks, page.block_count);
-            vxs_result wanted = vxs_page_encode(&coded, page.words, page.word_count, page.nodes, page.node_count, &common.common);
+            vxs_result wanted = page_encoded(&coded, page.words, page.word_count, page.nodes, page.node_count, &common.common);
             if (pack(&bytes) != wanted) fail_msg("seed %d, change %d: wanted %d", (int)seed, n, wanted);
             wanted == VXS_OK ? taken++ : refused++;
             if (wanted == VXS_OK) check_round_trip();
@@ -258,7 +259,7 @@ static void stored_words_that_are_taken_are_a_page(void **state)
             memcpy(before, words, count * sizeof *words);
             if (vxs_page_check(words, count, nodes, page.nodes, page.node_count, &marks, VXS_PAGE_UNPACK) == VXS_OK) {
                 assert_true(check_page(words, count, page.nodes, page.node_count, &common.common));
-                assert_int_equal(vxs_page_encode(&coded, words, count, page.nodes, page.node_count, &common.common), VXS_OK);
+                assert_int_equal(page_encoded(&coded, words, count, page.nodes, page.node_count, &common.common), VXS_OK);
                 assert_int_equal(vxs_page_check(words, count, nodes, page.nodes, page.node_count, &marks, VXS_PAGE_PACK), VXS_OK);
                 assert_memory_equal(words, before, count * sizeof *words);
                 taken++;
@@ -298,7 +299,7 @@ static int is_taken(uint32_t kind)
 {
     vxs_bytes bytes, coded = {0};
     memset(marks.at, (int)kind + 1, sizeof marks.at);
-    vxs_result wanted = vxs_page_encode(&coded, page.words, page.word_count, page.nodes, page.node_count, &common.common);
+    vxs_result wanted = page_encoded(&coded, page.words, page.word_count, page.nodes, page.node_count, &common.common);
     vxs_result r      = pack(&bytes);
     if (r != wanted) fail_msg("the coder says %d, the check %d", wanted, r);
     if (r == VXS_OK) check_round_trip();
@@ -619,7 +620,7 @@ static int coder_takes(const resident_case *c)
         uint32_t halves = 2 * (l->word_count - at);
         if (odd > halves) break;
         is_taken = vxs_common_index(&pool, patterns, c->kinds, common.count, l->words + at, halves - odd) == VXS_OK &&
-                   vxs_resident_encode(&coded, l->words, l->word_count, l->levels, l->map_count, &pool) == VXS_OK;
+                   resident_encoded(&coded, l->words, l->word_count, l->levels, l->map_count, &pool) == VXS_OK;
     }
     /* the head says how many nodes there are */
     if (is_taken) is_taken = vxs_load32(coded.data + 4) == c->sizes.page_count && vxs_load32(coded.data + 8) == c->sizes.node_count;

@@ -45,38 +45,31 @@ static void counted_free(void *memory)
 
 vxs_page_encoder *encoder_new_failing(void);
 void              encoder_free_counted(vxs_page_encoder *e);
-vxs_result        page_encode_by_again(vxs_page_encoder *e, vxs_bytes *out, const uint32_t *words, uint32_t word_count,
-                                       const vxs_page_node *nodes, uint32_t node_count, const vxs_common *common);
-vxs_result        page_encode_failing(vxs_bytes *out, const uint32_t *words, uint32_t word_count, const vxs_page_node *nodes,
-                                      uint32_t node_count, const vxs_common *common);
-vxs_result        resident_encode_nodes_again(vxs_bytes *out, vxs_page_nodes *nodes, const uint32_t *words, uint32_t word_count,
-                                              uint32_t levels, uint32_t map_count, const vxs_common *common);
-vxs_result resident_encode_failing(vxs_bytes *out, const uint32_t *words, uint32_t word_count, uint32_t levels, uint32_t map_count,
-                                   const vxs_common *common);
-vxs_result common_index_again(vxs_common *common, uint32_t *patterns, const uint8_t *kinds, uint32_t pattern_count,
-                              const uint32_t *words, uint32_t half_count);
+vxs_result        page_encode_failing(vxs_page_encoder *e, vxs_bytes *out, const uint32_t *words, uint32_t word_count,
+                                      const vxs_page_node *nodes, uint32_t node_count, const vxs_common *common);
+vxs_result        resident_encode_failing(vxs_bytes *out, vxs_page_nodes *nodes, const uint32_t *words, uint32_t word_count,
+                                          uint32_t levels, uint32_t map_count, const vxs_common *common);
+vxs_result        common_index_again(vxs_common *common, uint32_t *patterns, const uint8_t *kinds, uint32_t pattern_count,
+                                     const uint32_t *words, uint32_t half_count);
 
-#define malloc                    failing_malloc
-#define calloc                    failing_calloc
-#define realloc                   failing_realloc
-#define free                      counted_free
-#define vxs_page_encoder_new      encoder_new_failing
-#define vxs_page_encoder_free     encoder_free_counted
-#define vxs_page_encode_by        page_encode_by_again
-#define vxs_page_encode           page_encode_failing
-#define vxs_resident_encode_nodes resident_encode_nodes_again
-#define vxs_resident_encode       resident_encode_failing
-#define vxs_common_index          common_index_again
+#define malloc                failing_malloc
+#define calloc                failing_calloc
+#define realloc               failing_realloc
+#define free                  counted_free
+#define vxs_page_encoder_new  encoder_new_failing
+#define vxs_page_encoder_free encoder_free_counted
+#define vxs_page_encode       page_encode_failing
+#define vxs_resident_encode   resident_encode_failing
+#define vxs_common_index      common_index_again
 #include "formats/vxs_page_encode.c"
+#include "page_encoded.h"
 #undef malloc
 #undef calloc
 #undef realloc
 #undef free
 #undef vxs_page_encoder_new
 #undef vxs_page_encoder_free
-#undef vxs_page_encode_by
 #undef vxs_page_encode
-#undef vxs_resident_encode_nodes
 #undef vxs_resident_encode
 #undef vxs_common_index
 
@@ -91,14 +84,14 @@ static vxs_result encode_resident(vxs_bytes *out)
     words[2] = 8;
     words[8] = 0x80000007;
     memcpy(words + 10, common.words, pool * sizeof *words);
-    vxs_result result = resident_encode_failing(out, words, 10 + pool, 8, 1, &common.common);
+    vxs_result result = resident_encoded(out, words, 10 + pool, 8, 1, &common.common);
     free(words);
     return result;
 }
 
 static vxs_result encode_page(vxs_bytes *out)
 {
-    return page_encode_failing(out, page.words, page.word_count, page.nodes, page.node_count, &common.common);
+    return page_encoded(out, page.words, page.word_count, page.nodes, page.node_count, &common.common);
 }
 
 /* Each allocation fails once: nothing is kept, and what was there before stays. */
