@@ -847,10 +847,62 @@ static void packed_blocks(void **state)
     }
 }
 
+/* Number of blocks of 4 x 4 tiles that have no common depth with a slope. */
+static int blocks_folded(const int32_t *emax, const int32_t *xmin, node_slope s, uint64_t *blocks)
+{
+    int count = 0;
+    *blocks   = 0;
+    for (int b = 0; b < NODE_BLOCKS; b++) {
+        int32_t low = INT32_MIN, high = INT32_MAX;
+        for (int t = 0; t < BLOCK_TILES; t++) {
+            int x = b % 8 * 4 + t % 4, y = b / 8 * 4 + t / 4, n = NODE_TILES * y + x;
+            low  = max_i32(low, emax[n] + slope_shift(s, x, y));
+            high = min_i32(high, xmin[n] + slope_shift(s, x, y));
+        }
+        count += low > high;
+        *blocks |= (uint64_t)(low > high) << b;
+    }
+    return count;
+}
+
+/* Nodes of slanted ground under other things: a slope that is found saves blocks, and where none may help, none does. */
+static void slopes_save_blocks(void **state)
+{
+    (void)state;
+    rng r     = {37};
+    int found = 0, ruled_out = 0;
+    for (uint32_t n = 0; n < repeats(300, 5000); n++) {
+        static int32_t emax[NODE_TILES * NODE_TILES], xmin[NODE_TILES * NODE_TILES];
+        int            steep  = 1 << rng_below(&r, 14);
+        node_slope     ground = {rng_between(&r, -steep, steep), rng_between(&r, -steep, steep)}, none = {0, 0};
+        uint32_t       thick = 3 + rng_below(&r, 30), things = rng_below(&r, 3) * rng_below(&r, 100);
+        int32_t        deepest = 0;
+        uint64_t       mixed, left;
+        for (int t = 0; t < NODE_TILES * NODE_TILES; t++) {
+            emax[t] = 2000 - slope_shift(ground, t % NODE_TILES, t / NODE_TILES) + (int32_t)rng_below(&r, 3);
+            xmin[t] = emax[t] + (int32_t)thick;
+            if (things && !rng_below(&r, things)) xmin[t] = emax[t] - 1 - (int32_t)rng_below(&r, 100);
+            deepest = max_i32(deepest, emax[t]);
+        }
+        int        without = blocks_folded(emax, xmin, none, &mixed);
+        node_slope slope   = slope_find(emax, xmin, deepest, mixed, rng_below(&r, 2) ? ground : none);
+        if (!slope_may_help(emax, xmin, deepest, mixed)) {
+            assert_true(!slope.x && !slope.y);
+            assert_true(blocks_folded(emax, xmin, ground, &left) >= without - 1);
+            ruled_out++;
+        } else if (slope.x || slope.y) {
+            assert_true(blocks_folded(emax, xmin, slope, &left) < without - 1);
+            found++;
+        }
+    }
+    assert_true(found > 20 && ruled_out > 20);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(piercing),
+        cmocka_unit_test(slopes_save_blocks),
         cmocka_unit_test(axes_keep_order),
         cmocka_unit_test(repeated_at_other_depths),
         cmocka_unit_test(private_patterns_agree),

@@ -29,23 +29,25 @@ typedef struct block_depths {
     int32_t  depth[PALETTE_MAX];
 } block_depths;
 
+/* Range of single depths that suit a whole run of squares. */
+typedef struct run_range {
+    int32_t low, high;
+} run_range;
+
 typedef struct node_builder {
     block_set           *set;
     const column_square *columns;
     uint32_t             tile_x, tile_y; /* position of the node, in tiles of the columns */
     block_node           node;
-    int32_t              emax[NODE_TILE_COUNT], xmin[NODE_TILE_COUNT]; /* of tiles; with the slope after add_slope */
-    tile_in              tile[BLOCK_TILES];                            /* of the current block */
-    uint32_t             number;                                       /* of the current block */
-    block_depths         chosen[NODE_BLOCKS];
-    int                  fine; /* whether pages will be of VXS_PACKING_FINE */
-    depth_axis           axis;
+    column_bounds        bounds[NODE_BLOCKS]; /* of the columns of each block */
+    run_range            may[NODE_BLOCKS];    /* depths that it may have as its single depth; low > high: it has none */
+    int32_t      emax[NODE_TILE_COUNT], xmin[NODE_TILE_COUNT]; /* of tiles of mixed blocks; with the slope after add_slope */
+    tile_in      tile[BLOCK_TILES];                            /* of the current block */
+    uint32_t     number;                                       /* of the current block */
+    block_depths chosen[NODE_BLOCKS];
+    int          fine; /* whether pages will be of VXS_PACKING_FINE */
+    depth_axis   axis;
 } node_builder;
-
-/* Range of single depths that suit a whole run of squares. */
-typedef struct run_range {
-    int32_t low, high;
-} run_range;
 
 /* Add a square to the run if a common depth is left. */
 static inline int run_takes(run_range *run, int32_t low, int32_t high)

@@ -91,10 +91,17 @@ static inline int32_t slope_shift_max(node_slope s)
     return ((s.x < 0 ? -s.x : s.x) * 31 + (s.y < 0 ? -s.y : s.y) * 31) >> 8;
 }
 
-/* Find a slope with which few blocks of 4 x 4 tiles have no common depth for all of their columns.
+/* Whether a slope could help: whether two blocks of 4 x 4 tiles or more have no common depth for all of their columns, though each of
+ * their tiles has one.
  * emax, xmin  [32 * 32] rows of tiles: the last enter and the first exit depth of each, [0, 2^19] voxels
+ * deepest     greatest enter depth of the node
+ * mixed       blocks without a common depth; only their tiles are read */
+int slope_may_help(const int32_t *emax, const int32_t *xmin, int32_t deepest, uint64_t mixed);
+
+/* Find a slope with which few blocks have no common depth.
+ * emax, xmin  of all tiles;   others  the same
  * first       tried first: the slope of the previous node
  * Returns {0, 0} if no slope helps. */
-node_slope slope_find(const int32_t *emax, const int32_t *xmin, node_slope first);
+node_slope slope_find(const int32_t *emax, const int32_t *xmin, int32_t deepest, uint64_t mixed, node_slope first);
 
 #endif

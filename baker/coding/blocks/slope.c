@@ -4,6 +4,7 @@
 
 #include <stdlib.h>
 
+#include "baker/base/cpu.h"
 #include "baker/base/simd.h"
 
 enum {
@@ -16,8 +17,71 @@ enum {
 /* Bounds of tiles in steps that fit into 16 bits with a slope added. */
 typedef struct tile_bounds {
     int16_t emax[TILES], xmin[TILES];
-    int     torn[ROWS]; /* of a row of blocks: blocks with a tile that has no single depth. No slope can help them */
+    int     torn[ROWS]; /* number of torn blocks in a row of blocks */
 } tile_bounds;
+
+/* Blocks without a common depth. */
+typedef struct folded_blocks {
+    uint64_t torn;  /* a tile has no single depth: no slope can help them */
+    uint64_t loose; /* the others */
+} folded_blocks;
+
+static int steps_of(int32_t deepest)
+{
+    int steps = 0;
+    while (deepest >> steps > 16384) steps++;
+    return steps;
+}
+
+/* The same bounds, as they are given. */
+typedef struct node_bounds {
+    const int32_t *emax, *xmin;
+    int            steps;
+} node_bounds;
+
+/* Whether a block has no common depth with a slope.   torn  [out] nonzero if a tile has no single depth */
+static ALWAYS_INLINE int is_folded(const node_bounds *b, int block, node_slope s, int *torn)
+{
+    const int x = block % 8 * 4, y = block / 8 * 4;
+    i32x4     low = i32x4_all(0), high = i32x4_all(INT32_MAX), torn_tiles = i32x4_all(0);
+    i32x4     shift = (i32x4){0, s.x, 2 * s.x, 3 * s.x} + (s.x * (s.x < 0 ? x - 31 : x) + s.y * (s.y < 0 ? y - 31 : y));
+    for (int row = 0, at = NODE_TILES * y + x; row < 4; row++, at += NODE_TILES, shift += i32x4_all(s.y)) {
+        i32x4 e = i32x4_load(b->emax + at) >> b->steps, exit = i32x4_load(b->xmin + at) >> b->steps;
+        torn_tiles |= (i32x4)(e > exit);
+        low  = i32x4_max(low, e + (shift >> 8));
+        high = i32x4_min(high, exit + (shift >> 8));
+    }
+    *torn = (int)i32x4_bits(torn_tiles);
+    return i32x4_greatest(low) > i32x4_least(high);
+}
+
+static folded_blocks folded_without_slope(const node_bounds *b, uint64_t mixed)
+{
+    folded_blocks f = {0, 0};
+    for (; mixed; mixed &= mixed - 1) {
+        int      torn, folded = is_folded(b, __builtin_ctzll(mixed), (node_slope){0, 0}, &torn);
+        uint64_t block = mixed & -mixed;
+        if (torn)
+            f.torn |= block;
+        else if (folded)
+            f.loose |= block;
+    }
+    return f;
+}
+
+int slope_may_help(const int32_t *emax, const int32_t *xmin, int32_t deepest, uint64_t mixed)
+{
+    node_bounds b     = {emax, xmin, steps_of(deepest)};
+    uint64_t    loose = folded_without_slope(&b, mixed).loose;
+    return (loose & (loose - 1)) != 0;
+}
+
+/* How many blocks have no common depth with a slope at least: the torn ones, and loose ones that it does not help. */
+static int left_at_least(const node_bounds *b, uint64_t loose, int torn, node_slope s)
+{
+    for (int ignored; loose; loose &= loose - 1) torn += is_folded(b, __builtin_ctzll(loose), s, &ignored);
+    return torn;
+}
 
 /* How many of two blocks have no common depth, from four columns of bounds each. */
 static int folded_count(i16x8 low, i16x8 high)
@@ -86,40 +150,20 @@ static int middle_of(const int16_t *steps)
     return least;
 }
 
-/* Mask elements are -1 in tiles without a single depth. */
-static void find_torn(tile_bounds *t)
+node_slope slope_find(const int32_t *emax, const int32_t *xmin, int32_t deepest, uint64_t mixed, node_slope first)
 {
-    for (int row = 0; row < ROWS; row++) {
-        t->torn[row] = 0;
-        for (int n = 0; n < NODE_TILES; n += 8) {
-            i16x8 torn = i16x8_all(0);
-            for (int y = 4 * row; y < 4 * row + 4; y++)
-                torn |= (i16x8)(i16x8_load(t->emax + NODE_TILES * y + n) > i16x8_load(t->xmin + NODE_TILES * y + n));
-            t->torn[row] += folded_count(i16x8_all(0), torn);
-        }
-    }
-}
-
-node_slope slope_find(const int32_t *emax, const int32_t *xmin, node_slope first)
-{
-    tile_bounds t;
-    node_slope  best = {0, 0};
-    int32_t     deepest, steps = 0;
-    i32x4       most = i32x4_all(0);
-    for (int n = 0; n < TILES; n += 4) most = i32x4_max(most, i32x4_load(emax + n));
-    deepest = i32x4_greatest(most);
-    while (deepest >> steps > 16384) steps++;
+    tile_bounds   t;
+    node_slope    best   = {0, 0};
+    node_bounds   given  = {emax, xmin, steps_of(deepest)};
+    const int     steps  = given.steps;
+    folded_blocks folded = folded_without_slope(&given, mixed);
     for (int n = 0; n < TILES; n += 8) {
         i16x8_store(t.emax + n, i16x8_clamped(i32x4_load(emax + n) >> steps, i32x4_load(emax + n + 4) >> steps));
         i16x8_store(t.xmin + n, i16x8_clamped(i32x4_load(xmin + n) >> steps, i32x4_load(xmin + n + 4) >> steps));
     }
     first.x >>= steps;
     first.y >>= steps;
-    find_torn(&t);
-
-    /* a slope must save more than its own size */
-    int fewest = blocks_left(&t, best, TILES) - 1;
-    if (fewest <= torn_blocks(&t)) return best;
+    for (int row = 0; row < ROWS; row++) t.torn[row] = __builtin_popcount(folded.torn >> 8 * row & 255);
 
     /* median of the depth differences over four tiles, in 1/256 voxel per tile */
     int16_t across[STEPS], down[STEPS];
@@ -130,10 +174,14 @@ node_slope slope_find(const int32_t *emax, const int32_t *xmin, node_slope first
             down[count]   = (int16_t)(t.emax[(b + 4) * NODE_TILES + a] - t.emax[b * NODE_TILES + a]);
         }
     node_slope middle = {-64 * middle_of(across), -64 * middle_of(down)};
+    const int  torn   = torn_blocks(&t);
+    int        fewest = torn + __builtin_popcountll(folded.loose) - 1; /* a slope must save more than its own size */
     for (int n = -1; n < 25; n++) {
-        node_slope s = n < 0 ? first : (node_slope){middle.x + (n % 5 - 2) * 32, middle.y + (n / 5 - 2) * 32};
+        node_slope s    = n < 0 ? first : (node_slope){middle.x + (n % 5 - 2) * 32, middle.y + (n / 5 - 2) * 32};
+        int        cost = n >= 0;
         if (abs(s.x) > SLOPE_MAX || abs(s.y) > SLOPE_MAX || slope_shift_max(s) > SHIFT_MAX) continue;
-        int left = blocks_left(&t, s, fewest) + (n >= 0);
+        if (left_at_least(&given, folded.loose, torn, s) + cost >= fewest) continue;
+        int left = blocks_left(&t, s, fewest) + cost;
         if (left >= fewest) continue;
         fewest = left;
         best   = s;
