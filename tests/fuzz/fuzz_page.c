@@ -3,8 +3,8 @@
  * check of pages that are packed fast (formats/vxs_page_fast.h) has to take exactly where the coder does.
  *
  *     byte 0      even: a page; odd: a resident part of a map of 2^(3 + (byte 0 >> 1) % 15) texels
- *     page        byte 1: nodes - 1, modulo 8; a u16 for each but the first: how far it starts behind the one before; then the
- *     bytes
+ *     page        byte 1: nodes - 1, + 8 when it is packed fine, modulo 16; a u16 for each node but the first: how far it starts
+ *                 behind the one before; then the bytes
  *     resident    the bytes
  *
  * SPDX-License-Identifier: GPL-3.0-or-later */
@@ -75,6 +75,7 @@ static void read_page(const uint8_t *data, size_t size)
     vxs_page_node nodes[NODES_MAX] = {{0}};
     uint32_t      count = 1 + data[0] % NODES_MAX, head = 1 + 2 * (count - 1);
     if (size < head) return;
+    common.common.packing = data[0] & NODES_MAX ? VXS_PACKING_FINE : VXS_PACKING_SMALL;
     for (uint32_t n = 1; n < count; n++)
         nodes[n] =
             (vxs_page_node){.offset = nodes[n - 1].offset + (data[2 * n - 1] | (uint32_t)data[2 * n] << 8), .x = n % 3, .y = n / 3};

@@ -28,7 +28,8 @@ static void light_pages_free(light_pages *l)
 }
 
 /* 0: it is no resident part. */
-static int light_pages_read(light_pages *l, uint32_t levels, uint32_t map_count, const uint8_t *bytes, size_t size)
+static int light_pages_read(light_pages *l, uint32_t levels, uint32_t map_count, uint32_t packing, const uint8_t *bytes,
+                            size_t size)
 {
     *l = (light_pages){0};
     if (levels < 3 || levels > 18) return 0;
@@ -39,7 +40,9 @@ static int light_pages_read(light_pages *l, uint32_t levels, uint32_t map_count,
                                  .page_first = malloc((l->sizes.page_count + 1) * sizeof(uint32_t)),
                                  .patterns   = malloc((l->sizes.pattern_count + 1) * sizeof(uint32_t))};
     FUZZ_CHECK(l->scratch && l->resident.words && l->resident.nodes && l->resident.page_first && l->resident.patterns);
-    return vxs_resident_decode(&l->resident, levels, map_count, bytes, size, l->scratch) == VXS_OK;
+    if (vxs_resident_decode(&l->resident, levels, map_count, bytes, size, l->scratch) != VXS_OK) return 0;
+    l->resident.common.packing = packing;
+    return 1;
 }
 
 /* Halves of a page that are numbers of planes. */

@@ -380,11 +380,12 @@ static void change_planes(parts *p)
     uint32_t       light  = random_below(light_count(p));
     const uint8_t *record = light_record(p, light);
     uint32_t       levels = vxs_load32(record + VXS_LIGHT_LEVELS), cube = vxs_load32(record + VXS_LIGHT_FLAGS) & VXS_LIGHT_CUBE;
+    uint32_t       packing  = vxs_load32(record + VXS_LIGHT_PACKING);
     part          *resident = find_part(p, VXS_KIND_RESIDENT, light, 0), *pages = find_part(p, VXS_KIND_PAGES, light, 0);
     light_pages    l;
     if (!resident || !pages) return;
     uint32_t map_count = cube ? VXS_CUBE_FACES : 1;
-    if (light_pages_read(&l, levels, map_count, resident->content, resident->size)) {
+    if (light_pages_read(&l, levels, map_count, packing, resident->content, resident->size)) {
         for (uint32_t n = 1 + random_below(4); n; n--) change_a_plane(&l, pages);
         if (random_below(2)) change_a_top(&l, levels, map_count, resident);
     }
