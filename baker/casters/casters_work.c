@@ -35,14 +35,14 @@ static vxs_result weld(work *w, const scene *s, run_context *m)
     if (!w->flags || (s->holed_triangle_count && !w->hole_of)) return out_of_memory(m, s->triangle_count);
 
     /* set the flags and holes of the remaining triangles; both lists ascend */
-    const holed_triangle *hole = s->holed_triangles, *end = hole + s->holed_triangle_count;
+    size_t hole = 0;
     for (size_t t = 0; t < w->mesh.triangle_count; t++) {
         uint32_t of = w->mesh.from[t];
-        while (hole < end && hole->triangle < of) hole++;
-        int has_hole = hole < end && hole->triangle == of;
+        while (hole < s->holed_triangle_count && s->holed_triangles[hole].triangle < of) hole++;
+        int has_hole = hole < s->holed_triangle_count && s->holed_triangles[hole].triangle == of;
         w->flags[t]  = s->triangle_flags[of] & (TRIANGLE_DOUBLE_SIDED | TRIANGLE_ALPHA_MASK);
         if (has_hole) w->flags[t] |= TRIANGLE_ALPHA_MASK;
-        if (w->hole_of) w->hole_of[t] = has_hole ? (uint32_t)(hole - s->holed_triangles) : NONE;
+        if (w->hole_of) w->hole_of[t] = has_hole ? (uint32_t)hole : NONE;
     }
     return VXS_OK;
 }
