@@ -21,44 +21,58 @@ static void pad(intervals *s, int lanes)
     }
 }
 
+/* One pass over all intervals for each point, without branches: those that begin at or before a point have one, the next point is the
+ * least end of the others. To remove intervals that have a point costs more than to read them again. */
+
 #ifdef __x86_64__
 
-/* The least and the greatest of nonnegative numbers. */
 CPU_TARGET_AVX2 static ALWAYS_INLINE int least_avx2(__m256i v)
 {
-    __m128i half = _mm_min_epi16(_mm256_castsi256_si128(v), _mm256_extracti128_si256(v, 1));
+    __m128i half = _mm_min_epu16(_mm256_castsi256_si128(v), _mm256_extracti128_si256(v, 1));
     return _mm_extract_epi16(_mm_minpos_epu16(half), 0);
 }
 
+/* The greatest of nonnegative numbers. */
 CPU_TARGET_AVX2 static ALWAYS_INLINE int greatest_avx2(__m256i v)
 {
     return INT16_MAX - least_avx2(_mm256_sub_epi16(_mm256_set1_epi16(INT16_MAX), v));
 }
 
+/* What a pass finds: the greatest beginning of intervals at or before a point, and the least end of the others. */
+typedef struct pass_avx2 {
+    __m256i last_low, next;
+} pass_avx2;
+
+CPU_TARGET_AVX2 static ALWAYS_INLINE void meet_avx2(pass_avx2 *p, const intervals *s, int n, __m256i behind_point)
+{
+    __m256i low  = _mm256_loadu_si256((const __m256i *)(const void *)(s->low + n));
+    __m256i high = _mm256_loadu_si256((const __m256i *)(const void *)(s->high + n)), met = _mm256_cmpgt_epi16(behind_point, low);
+    p->last_low = _mm256_max_epi16(p->last_low, _mm256_and_si256(met, low));
+    p->next     = _mm256_min_epu16(p->next, _mm256_or_si256(met, high));
+}
+
 /* The same with 16 lanes. */
 CPU_TARGET_AVX2 static int stab_avx2(intervals *s, stab_group *groups, int most)
 {
-    const __m256i far  = _mm256_set1_epi16(INT16_MAX);
-    __m256i       next = far;
-    pad(s, 16);
-    for (int n = 0; n < s->count; n += 16)
-        next = _mm256_min_epi16(next, _mm256_loadu_si256((const __m256i *)(const void *)(s->high + n)));
-    for (int count = 0;;) {
-        int     point = least_avx2(next);
-        __m256i at = _mm256_set1_epi16((int16_t)point), last_low = _mm256_setzero_si256();
-        next = far;
-        for (int n = s->count - 16; n >= 0; n -= 16) {
-            __m256i low  = _mm256_loadu_si256((const __m256i *)(const void *)(s->low + n));
-            __m256i high = _mm256_loadu_si256((const __m256i *)(const void *)(s->high + n)), behind = _mm256_cmpgt_epi16(low, at);
-            last_low = _mm256_max_epi16(last_low, _mm256_andnot_si256(behind, low));
-            next     = _mm256_min_epi16(next, _mm256_blendv_epi8(far, high, behind));
-            if (!_mm256_testz_si256(behind, behind)) continue;
-            s->count -= 16;
-            memcpy(s->low + n, s->low + s->count, sizeof low);
-            memcpy(s->high + n, s->high + s->count, sizeof high);
+    const pass_avx2 none = {_mm256_setzero_si256(), _mm256_set1_epi16(-1)};
+    pass_avx2       a = none, b = none;
+    pad(s, 32);
+    for (int n = 0; n < s->count; n += 16) {
+        a.last_low = _mm256_max_epi16(a.last_low, _mm256_loadu_si256((const __m256i *)(const void *)(s->low + n)));
+        a.next     = _mm256_min_epu16(a.next, _mm256_loadu_si256((const __m256i *)(const void *)(s->high + n)));
+    }
+    const int end = greatest_avx2(a.last_low);
+    for (int count = 0, point = least_avx2(a.next);; point = least_avx2(_mm256_min_epu16(a.next, b.next))) {
+        groups[count++] = (stab_group){(int16_t)end, (int16_t)point};
+        if (point >= end) return count;
+        const __m256i behind = _mm256_set1_epi16((int16_t)(point + 1));
+        a = b = none;
+        for (int n = 0; n < s->count; n += 32) {
+            meet_avx2(&a, s, n, behind);
+            meet_avx2(&b, s, n + 16, behind);
         }
-        groups[count++] = (stab_group){(int16_t)greatest_avx2(last_low), (int16_t)point};
-        if (!s->count || count == most) return count;
+        groups[count - 1].low = (int16_t)greatest_avx2(_mm256_max_epi16(a.last_low, b.last_low));
+        if (count == most) return count;
     }
 }
 
@@ -70,29 +84,27 @@ int minimum_stabbing_set(intervals *s, stab_group *groups, int most, int cpu)
     if (cpu >= CPU_AVX2) return stab_avx2(s, groups, most);
 #endif
     (void)cpu;
-
-    /* One pass for each point. A vector without remaining intervals is replaced by the last one, which was visited before. The
-     * next point is found in the same pass. */
-    const i16x8 far = i16x8_all(INT16_MAX);
+    const i16x8 far      = i16x8_all(INT16_MAX);
+    i16x8       last_low = i16x8_all(0), next = far;
     pad(s, 8);
-    i16x8 next = far;
-    for (int n = 0; n < s->count; n += 8) next = i16x8_min(next, i16x8_load(s->high + n));
-
-    for (int count = 0;;) {
-        int   point = i16x8_least(next);
-        i16x8 at = i16x8_all((int16_t)point), last_low = i16x8_all(INT16_MIN);
-        next = far;
-        for (int n = s->count - 8; n >= 0; n -= 8) {
-            i16x8 low = i16x8_load(s->low + n), high = i16x8_load(s->high + n), behind = (i16x8)(low > at);
-            last_low = i16x8_max(last_low, i16x8_select(behind, last_low, low));
-            next     = i16x8_min(next, i16x8_select(behind, high, far));
-            if (i16x8_any(behind)) continue;
-            s->count -= 8;
-            i16x8_store(s->low + n, i16x8_load(s->low + s->count));
-            i16x8_store(s->high + n, i16x8_load(s->high + s->count));
+    for (int n = 0; n < s->count; n += 8) {
+        last_low = i16x8_max(last_low, i16x8_load(s->low + n));
+        next     = i16x8_min(next, i16x8_load(s->high + n));
+    }
+    const int end = i16x8_greatest(last_low);
+    for (int count = 0, point = i16x8_least(next);; point = i16x8_least(next)) {
+        groups[count++] = (stab_group){(int16_t)end, (int16_t)point};
+        if (point >= end) return count;
+        const i16x8 at = i16x8_all((int16_t)point);
+        last_low       = i16x8_all(0);
+        next           = far;
+        for (int n = 0; n < s->count; n += 8) {
+            i16x8 low = i16x8_load(s->low + n), behind = (i16x8)(low > at);
+            last_low = i16x8_max(last_low, low & ~behind);
+            next     = i16x8_min(next, i16x8_select(behind, i16x8_load(s->high + n), far));
         }
-        groups[count++] = (stab_group){(int16_t)i16x8_greatest(last_low), (int16_t)point};
-        if (!s->count || count == most) return count;
+        groups[count - 1].low = (int16_t)i16x8_greatest(last_low);
+        if (count == most) return count;
     }
 }
 

@@ -26,8 +26,8 @@ typedef struct stab_group {
     int16_t low, high;
 } stab_group;
 
-/* Find the points, in ascending order. Changes s.
- * s       at least one interval
+/* Find the points, in ascending order.
+ * s       at least one interval; [out] more of them that change nothing
  * groups  [most]
  * most    stop after this number of points
  * cpu     level of cpu.h; the result does not depend on it
