@@ -12,20 +12,35 @@
 #define VXS_BYTES_FN static inline
 #endif
 
-VXS_BYTES_FN uint16_t vxs_load16(const uint8_t *p)
-{
-    return (uint16_t)(p[0] | p[1] << 8);
-}
-
-VXS_BYTES_FN uint32_t vxs_load32(const uint8_t *p)
-{
-    return vxs_load16(p) | (uint32_t)vxs_load16(p + 2) << 16;
-}
-
-VXS_BYTES_FN uint64_t vxs_load64(const uint8_t *p)
-{
-    return vxs_load32(p) | (uint64_t)vxs_load32(p + 4) << 32;
-}
+/* On machines of this byte order in one access, which compilers do not always make of single bytes. */
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
+#define VXS_BYTES_OF(bits)                                                                                                         \
+    VXS_BYTES_FN uint##bits##_t vxs_load##bits(const uint8_t *p)                                                                   \
+    {                                                                                                                              \
+        uint##bits##_t v;                                                                                                          \
+        memcpy(&v, p, sizeof v);                                                                                                   \
+        return v;                                                                                                                  \
+    }                                                                                                                              \
+    VXS_BYTES_FN void vxs_store##bits(uint8_t *p, uint##bits##_t v)                                                                \
+    {                                                                                                                              \
+        memcpy(p, &v, sizeof v);                                                                                                   \
+    }
+#else
+#define VXS_BYTES_OF(bits)                                                                                                         \
+    VXS_BYTES_FN uint##bits##_t vxs_load##bits(const uint8_t *p)                                                                   \
+    {                                                                                                                              \
+        uint##bits##_t v = 0;                                                                                                      \
+        for (int n = 0; n < bits; n += 8) v = (uint##bits##_t)(v | (uint##bits##_t)p[n / 8] << n);                                 \
+        return v;                                                                                                                  \
+    }                                                                                                                              \
+    VXS_BYTES_FN void vxs_store##bits(uint8_t *p, uint##bits##_t v)                                                                \
+    {                                                                                                                              \
+        for (int n = 0; n < bits; n += 8) p[n / 8] = (uint8_t)(v >> n);                                                            \
+    }
+#endif
+VXS_BYTES_OF(16)
+VXS_BYTES_OF(32)
+VXS_BYTES_OF(64)
 
 VXS_BYTES_FN double vxs_load_f64(const uint8_t *p)
 {
@@ -33,24 +48,6 @@ VXS_BYTES_FN double vxs_load_f64(const uint8_t *p)
     double   value;
     memcpy(&value, &bits, sizeof value);
     return value;
-}
-
-VXS_BYTES_FN void vxs_store16(uint8_t *p, uint16_t v)
-{
-    p[0] = (uint8_t)v;
-    p[1] = (uint8_t)(v >> 8);
-}
-
-VXS_BYTES_FN void vxs_store32(uint8_t *p, uint32_t v)
-{
-    vxs_store16(p, (uint16_t)v);
-    vxs_store16(p + 2, (uint16_t)(v >> 16));
-}
-
-VXS_BYTES_FN void vxs_store64(uint8_t *p, uint64_t v)
-{
-    vxs_store32(p, (uint32_t)v);
-    vxs_store32(p + 4, (uint32_t)(v >> 32));
 }
 
 VXS_BYTES_FN void vxs_store_f64(uint8_t *p, double value)

@@ -124,17 +124,21 @@ PAGE_INLINE uint32_t equal_depths(const int16_t *palette, int16_t depth)
 #endif
 }
 
-/* A bit for each palette entry: whether one of eight texels has its depth. */
+/* A bit for each palette entry: whether one of eight texels has its depth.   texels  aligned to 16 bytes */
 PAGE_CALL uint32_t depths_met(const int16_t *palette, uint32_t entries, const int16_t *texels)
 {
     uint32_t met = 0;
 #ifdef PAGE_SSE2
     __m128i low = _mm_load_si128((const __m128i *)palette), high = _mm_load_si128((const __m128i *)palette + 1),
-            a = _mm_setzero_si128(), b = a;
-    for (uint32_t n = 0; n < 8; n++) {
-        __m128i texel = _mm_set1_epi16(texels[n]);
-        a             = _mm_or_si128(a, _mm_cmpeq_epi16(low, texel));
-        b             = _mm_or_si128(b, _mm_cmpeq_epi16(high, texel));
+            all = _mm_load_si128((const __m128i *)texels), a = _mm_setzero_si128(), b = a;
+    for (uint32_t n = 0; n < 2; n++) {
+        __m128i four = n ? _mm_unpackhi_epi16(all, all) : _mm_unpacklo_epi16(all, all), texel[4];
+        texel[0] = _mm_shuffle_epi32(four, 0x00), texel[1] = _mm_shuffle_epi32(four, 0x55);
+        texel[2] = _mm_shuffle_epi32(four, 0xaa), texel[3] = _mm_shuffle_epi32(four, 0xff);
+        for (uint32_t k = 0; k < 4; k++) {
+            a = _mm_or_si128(a, _mm_cmpeq_epi16(low, texel[k]));
+            b = _mm_or_si128(b, _mm_cmpeq_epi16(high, texel[k]));
+        }
     }
     met = (uint32_t)_mm_movemask_epi8(_mm_packs_epi16(a, b)) & ((1u << entries) - 1);
 #else
@@ -204,21 +208,40 @@ PAGE_CALL void leave_no_sheet(walk *w, uint32_t x0, uint32_t y0, uint32_t side_p
         w->sheet_above[x0 / TILE_PX + n].known = w->sheet_left[y0 / TILE_PX + n].known = 0;
 }
 
+/* Eight depths at once: they are read as a vector soon, which would wait for single ones. */
+PAGE_INLINE void draw_eight(int16_t *to, const int16_t *depth, uint32_t index)
+{
+#ifdef PAGE_SSE2
+    uint64_t four[2];
+    for (uint32_t n = 0; n < 2; n++, index >>= 16)
+        four[n] = (uint64_t)(uint16_t)depth[index & 15] | (uint64_t)(uint16_t)depth[index >> 4 & 15] << 16 |
+                  (uint64_t)(uint16_t)depth[index >> 8 & 15] << 32 | (uint64_t)(uint16_t)depth[index >> 12 & 15] << 48;
+    _mm_store_si128((__m128i *)to, _mm_set_epi64x((long long)four[1], (long long)four[0]));
+#else
+    for (uint32_t n = 0; n < TILE_PX; n++) to[n] = depth[index >> 4 * n & 15];
+#endif
+}
+
 /* Set the borders after a tile with a pattern.
  * depth  of its pattern, by index */
 static void draw_pattern(walk *w, uint64_t border, const int16_t *depth, uint32_t x0, uint32_t y0)
 {
-    int16_t *above = w->above + 8 + x0, *left = w->left + y0;
-    for (uint32_t n = 0; n < TILE_PX; n++) {
-        above[n] = depth[border >> 4 * n & 15];
-        left[n]  = depth[border >> (32 + 4 * n) & 15];
-    }
+    draw_eight(w->above + 8 + x0, depth, (uint32_t)border);
+    draw_eight(w->left + y0, depth, (uint32_t)(border >> 32));
     leave_no_sheet(w, x0, y0, TILE_PX);
 }
 
 PAGE_CALL void draw_uniform(walk *w, uint32_t x0, uint32_t y0, uint32_t side_px, int16_t depth)
 {
+#ifdef PAGE_SSE2
+    __m128i eight = _mm_set1_epi16(depth);
+    for (uint32_t n = 0; n < side_px; n += 8) {
+        _mm_store_si128((__m128i *)(w->above + 8 + x0 + n), eight);
+        _mm_store_si128((__m128i *)(w->left + y0 + n), eight);
+    }
+#else
     for (uint32_t n = 0; n < side_px; n++) w->above[8 + x0 + n] = w->left[y0 + n] = depth;
+#endif
     leave_no_sheet(w, x0, y0, side_px);
 }
 

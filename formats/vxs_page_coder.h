@@ -205,11 +205,11 @@ typedef struct coder {
  * it. */
 PAGE_INLINE void decode_part(coder *c, uint32_t from, uint32_t size)
 {
-    uint32_t state = size * (c->now >> ODDS_BITS) + (c->now & (ODDS_ONE - 1)) - from, small = state < STATE_LEAST;
-    uint32_t word = vxs_load16(c->in) & (0 - small);
-    c->in += 2 * (small & (uint32_t)(c->in <= c->end));
+    uint32_t state = size * (c->now >> ODDS_BITS) + (c->now & (ODDS_ONE - 1)) - from, whole = state >= STATE_LEAST;
+    uint64_t more = (uint64_t)state << 16 | vxs_load16(c->in);
+    c->in += 2 * ((whole ^ 1) & (uint32_t)(c->in <= c->end));
     c->now  = c->next;
-    c->next = state << 16 * small | word;
+    c->next = (uint32_t)(more >> 16 * whole);
 }
 
 #endif

@@ -163,38 +163,44 @@ static int put_pattern(walk *w, const uint8_t *index, uint32_t depths)
     return 1;
 }
 
-/* Palette indices of the texels around a tile: the index of the nearest depth of its pattern. row[0] and row[1] are left of
- * the corner.
- * depth  [depths] ascending
- * row    [16] from two texels left of the tile
- * column [8] */
-static void border_indices(const walk *w, const int16_t *depth, uint32_t depths, uint32_t x0, uint32_t y0, uint8_t *row,
-                           uint8_t *column)
+/* Palette indices of the texels around a tile, a byte each. */
+typedef struct around {
+    uint64_t above, left;
+    uint32_t corner, right; /* of the texels before those above, and behind them */
+} around;
+
+/* The index of the nearest depth of its pattern.
+ * depth  [depths] ascending */
+static around indices_around(const walk *w, const int16_t *depth, uint32_t depths, uint32_t x0, uint32_t y0)
 {
-    const int16_t *above = w->above + 8 + x0 - 2, *left = w->left + y0;
+    const int16_t *above = w->above + 8 + x0, *left = w->left + y0;
+    around         to = {0};
 #ifdef PAGE_SSE2
-    const __m128i zero = _mm_set1_epi16(depth[0]);
-    __m128i       a = _mm_sub_epi16(_mm_loadu_si128((const __m128i *)above), zero), n = _mm_setzero_si128(), m = n;
-    __m128i       b = _mm_sub_epi16(_mm_loadu_si128((const __m128i *)(above + 8)), zero);
-    __m128i       c = _mm_sub_epi16(_mm_loadu_si128((const __m128i *)left), zero);
+    const __m128i zero = _mm_set1_epi16(depth[0]), none = _mm_setzero_si128();
+    __m128i       a = _mm_sub_epi16(_mm_load_si128((const __m128i *)above), zero), n = none, m = none;
+    __m128i       c = _mm_sub_epi16(_mm_load_si128((const __m128i *)left), zero);
+    __m128i       e = _mm_sub_epi16(_mm_insert_epi16(_mm_cvtsi32_si128((uint16_t)above[-1]), above[8], 1), zero);
     for (uint32_t k = 0; k + 1 < depths; k++) {
         uint32_t between = (uint32_t)(uint16_t)(depth[k] - depth[0]) + (uint16_t)(depth[k + 1] - depth[0]);
         __m128i  t       = _mm_set1_epi16((int16_t)(between >> 1));
-        n                = _mm_sub_epi8(n, _mm_packs_epi16(_mm_cmpgt_epi16(a, t), _mm_cmpgt_epi16(b, t)));
-        m                = _mm_sub_epi8(m, _mm_packs_epi16(_mm_cmpgt_epi16(c, t), _mm_setzero_si128()));
+        n                = _mm_sub_epi8(n, _mm_packs_epi16(_mm_cmpgt_epi16(a, t), _mm_cmpgt_epi16(c, t)));
+        m                = _mm_sub_epi16(m, _mm_cmpgt_epi16(e, t));
     }
-    _mm_storeu_si128((__m128i *)row, n);
-    _mm_storel_epi64((__m128i *)column, m);
+    _mm_storel_epi64((__m128i *)&to.above, n);
+    _mm_storel_epi64((__m128i *)&to.left, _mm_unpackhi_epi64(n, n));
+    to.corner = (uint32_t)_mm_extract_epi16(m, 0);
+    to.right  = (uint32_t)_mm_extract_epi16(m, 1);
 #else
-    memset(row, 0, 16);
-    memset(column, 0, 8);
+    uint8_t row[10] = {0}, column[8] = {0};
     for (uint32_t k = 0; k + 1 < depths; k++) {
         uint32_t between = (uint32_t)(uint16_t)(depth[k] - depth[0]) + (uint16_t)(depth[k + 1] - depth[0]);
         int16_t  t       = (int16_t)(between >> 1);
-        for (int n = 0; n < 16; n++) row[n] += (int16_t)(above[n] - depth[0]) > t;
+        for (int n = 0; n < 10; n++) row[n] += (int16_t)(above[n - 1] - depth[0]) > t;
         for (int n = 0; n < 8; n++) column[n] += (int16_t)(left[n] - depth[0]) > t;
     }
+    to = (around){vxs_load64(row + 1), vxs_load64(column), row[0], row[9]};
 #endif
+    return to;
 }
 
 /* A bit for each of eight bytes: whether it is not 0. Bytes are below 128. */
@@ -209,12 +215,12 @@ PAGE_INLINE uint32_t bytes_set(uint64_t x)
 PAGE_INLINE uint32_t code_other(coder *c, nibble_odds odds[5][3], nibble_odds *far, uint32_t depths, uint32_t value, uint32_t W,
                                 uint32_t N, uint32_t NE)
 {
-    uint32_t some = (uint32_t)(N != 0), end = some + (some & (uint32_t)(N + 1 == depths)), flat = (uint32_t)(N == NE), symbol = 0;
+    uint32_t     end = (uint32_t)(N != 0) + (uint32_t)(N + 1 == depths), flat = (uint32_t)(N == NE), symbol = 0;
+    nibble_odds *by = odds[4 - 2 * flat] + end, *as_NE = odds[3] + end, *as_N = odds[1 - flat] + end;
     if (PAGE_ENCODING) {
         uint32_t step = value > N ? 2 * (value - N) : 1 + 2 * (N - value);
         symbol        = value == W ? 0 : value == NE ? 1 : step < 15 ? step : 15;
     }
-    nibble_odds *by = odds[4 - 2 * flat] + end, *as_NE = odds[3] + end, *as_N = odds[1 - flat] + end;
     by     = W == NE ? as_NE : by;
     by     = W == N ? as_N : by;
     symbol = code_nibble_here(c, by, symbol);
@@ -232,41 +238,42 @@ PAGE_INLINE uint64_t bytes_of_bits(uint32_t bits)
 
 /* The indices of the texels of a pattern, row by row: first which texels differ from the one above, four per nibble, then
  * the index of each of these. 0: invalid index.
- * border, left  indices beside the tile, from border_indices */
-static int code_indices(walk *w, const uint8_t *border, const uint8_t *left, uint32_t depths, uint8_t *index)
+ * o  indices beside the tile */
+static int code_indices(walk *w, around o, uint32_t depths, uint8_t *index)
 {
     coder        c    = w->c; /* a local copy can stay in registers */
     page_odds   *odds = w->odds;
     nibble_odds *far = &odds->far, (*other)[3] = odds->other[depths < 4 ? 0 : depths < 6 ? 1 : depths < 9 ? 2 : 3];
-    uint64_t     last = vxs_load64(border + 2), before = last; /* the row above, and the row above that: a byte per texel */
-    uint32_t     corner = border[1], right = border[10];
-    for (uint32_t y = 0; y < 8; y++) {
-        uint32_t beside = bytes_set(last ^ (last << 8 | corner)) | (uint32_t)(right != last >> 56) << 8,
-                 was = bytes_set(last ^ before), side = left[y] != corner;
+    uint64_t     last   = o.above; /* the row above: a byte per texel */
+    uint32_t     corner = o.corner, right = o.right, differs = 0;
+    for (uint32_t y = 0; y < 8; y++, o.left >>= 8) {
+        uint32_t     left = o.left & 255, side = left != corner;
+        uint32_t     beside = bytes_set(last ^ (last << 8 | corner)) | (uint32_t)(right != last >> 56) << 8;
         nibble_odds *by     = odds->differs[depths > 2][y != 0];
-        uint8_t     *texels = index + 32 * (y >> 2) + 4 * (y & 3);
-        uint64_t     after  = last >> 8 | (uint64_t)right << 56; /* of each texel above, the one on its right */
+        uint8_t     *texels = index + 32 * (y >> 2) + 4 * (y & 3), row[16];
         uint64_t     now = last, value = PAGE_ENCODING ? vxs_load32(texels) | (uint64_t)vxs_load32(texels + 16) << 32 : 0;
-        uint32_t     differs = PAGE_ENCODING ? bytes_set(last ^ value) : 0;
-        differs              = code_two_nibbles(&c, by + ((beside & 31) | side << 5 | (uint32_t)((was & 15) != 0) << 6),
-                                                by + (beside >> 4 | (uint32_t)(was >> 4 != 0) << 6), 1 << 5, differs);
+        /* differs is still that of the row above */
+        nibble_odds *low  = by + ((beside & 31) | side << 5 | (uint32_t)((differs & 15) != 0) << 6),
+                    *high = by + (beside >> 4 | (uint32_t)(differs >> 4 != 0) << 6);
+        differs           = code_two_nibbles(&c, low, high, 1 << 5, PAGE_ENCODING ? bytes_set(last ^ value) : 0);
         if (depths == 2)
             now ^= bytes_of_bits(differs);
-        else
-            for (uint32_t got = left[y], next = 0; differs; differs &= differs - 1) {
-                uint32_t x = page_first_bit(differs), at = 8 * x, N = last >> at & 255, NE = after >> at & 255;
-                uint32_t W = (last << 8) >> at & 255;
-                W          = x == next ? got : W;
-                got        = code_other(&c, other, far, depths, value >> at & 255, W, N, NE);
+        else {
+            row[0] = (uint8_t)left; /* left of each texel, unless it differs from the one above, and above, and behind */
+            vxs_store64(row + 1, last);
+            row[9] = (uint8_t)right;
+            for (uint32_t rest = differs, got = left, next = 0; rest; rest &= rest - 1) {
+                uint32_t x = page_first_bit(rest), W = row[x], N = row[x + 1];
+                got = code_other(&c, other, far, depths, value >> 8 * x & 255, x == next ? got : W, N, row[x + 2]);
                 if (got >= depths) return 0;
-                now ^= (uint64_t)(N ^ got) << at;
+                now ^= (uint64_t)(N ^ got) << 8 * x;
                 next = x + 1;
             }
+        }
         vxs_store32(texels, (uint32_t)now);
         vxs_store32(texels + 16, (uint32_t)(now >> 32));
-        before = last;
         last   = now;
-        corner = left[y];
+        corner = left;
         right  = (uint32_t)(now >> 56); /* nothing is known on the right of the tile */
     }
     w->c = c;
@@ -275,9 +282,7 @@ static int code_indices(walk *w, const uint8_t *border, const uint8_t *left, uin
 
 static int code_image(walk *w, const int16_t *depth, uint32_t depths, uint32_t x0, uint32_t y0, uint8_t *index)
 {
-    uint8_t border[16], left[8];
-    border_indices(w, depth, depths, x0, y0, border, left);
-    return code_indices(w, border, left, depths, index);
+    return code_indices(w, indices_around(w, depth, depths, x0, y0), depths, index);
 }
 
 #endif

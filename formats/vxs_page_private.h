@@ -90,19 +90,19 @@ PAGE_INLINE uint8_t is_second(const private_planes *p, int32_t x, int32_t y, int
  * base  of the tile, in the node */
 static int code_private_mask(walk *w, const private_planes *p, uint32_t from, int32_t base, uint32_t x0, uint32_t y0)
 {
-    uint8_t              border[16] = {0}, left[8] = {0};
+    around               o       = {0};
     int32_t              without = base - tile_slope(w, x0 / TILE_PX, y0 / TILE_PX), depth;
     _Alignas(16) uint8_t index[64];
     for (int32_t n = 0; n < TILE_PX; n++) {
         depth_above(w, x0 + (uint32_t)n, y0, &depth);
-        border[2 + n] = is_second(p, n, -1, depth - without);
+        o.above |= (uint64_t)is_second(p, n, -1, depth - without) << 8 * n;
         depth_left(w, x0, y0 + (uint32_t)n, &depth);
-        left[n] = is_second(p, -1, n, depth - without);
+        o.left |= (uint64_t)is_second(p, -1, n, depth - without) << 8 * n;
     }
-    border[1]  = border[2];
-    border[10] = border[9];
+    o.corner = o.above & 255;
+    o.right  = (uint32_t)(o.above >> 56);
     for (uint32_t z = 0; z < 64; z++) index[z] = source_half(w, from + z / 16) >> z % 16 & 1;
-    if (!code_indices(w, border, left, 2, index)) return 0;
+    if (!code_indices(w, o, 2, index)) return 0;
     for (uint32_t z = 0; z < 64; z++) put_half(w->words, w->half + 6 + z / 16, (uint32_t)index[z] << z % 16);
     return 1;
 }

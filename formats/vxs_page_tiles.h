@@ -170,10 +170,9 @@ static uint32_t find_word(const walk *w, uint32_t kind, uint32_t ref)
  * ref    in: in the source */
 static int code_pattern(walk *w, uint32_t kind, const int16_t *depth, uint32_t *ref, uint32_t x0, uint32_t y0)
 {
-    uint8_t              border[16], left[8];
     _Alignas(16) uint8_t index[64];
-    border_indices(w, depth, kind, x0, y0, border, left);
-    uint16_t *set = w->s->pattern_set[set_of(vxs_load64(border + 2), vxs_load64(left) + kind, 10)];
+    around               o   = indices_around(w, depth, kind, x0, y0);
+    uint16_t            *set = w->s->pattern_set[set_of(o.above, o.left + kind, 10)];
     if (w->fine) {
         nibble_odds *odds = w->odds->pattern_again[kind < 5 ? kind - 2 : 3];
         uint32_t     word = code_again(&w->c, set, PATTERN_LANES, odds, PAGE_ENCODING ? find_word(w, kind, *ref) : 0);
@@ -190,7 +189,7 @@ static int code_pattern(walk *w, uint32_t kind, const int16_t *depth, uint32_t *
     } else {
         uint32_t half = w->half;
         if (PAGE_ENCODING && !read_source(w, *ref, kind, index)) return 0;
-        if (!code_indices(w, border, left, kind, index) || !put_pattern(w, index, kind)) return 0;
+        if (!code_indices(w, o, kind, index) || !put_pattern(w, index, kind)) return 0;
         add_pattern(w, kind, *ref = half);
         keep_border(w, half, index);
     }
