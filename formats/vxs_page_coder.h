@@ -91,6 +91,14 @@ PAGE_INLINE nibble nibble_at(const nibble_odds *odds, uint32_t at)
     return (nibble){_mm_cmpgt_epi16(_mm_load_si128(from), all), _mm_cmpgt_epi16(_mm_load_si128(from + 1), all)};
 }
 
+/* The same for a symbol that is known. */
+PAGE_INLINE nibble nibble_of(uint32_t number)
+{
+    const __m128i all = _mm_set1_epi16((int16_t)number);
+    return (nibble){_mm_cmpgt_epi16(_mm_setr_epi16(0, 1, 2, 3, 4, 5, 6, 7), all),
+                    _mm_cmpgt_epi16(_mm_setr_epi16(8, 9, 10, 11, 12, 13, 14, 15), all)};
+}
+
 PAGE_INLINE uint32_t nibble_number(nibble behind)
 {
     return page_first_bit((uint32_t)_mm_movemask_epi8(_mm_packs_epi16(behind.low, behind.high)) | 0x10000) - 1;
@@ -130,6 +138,11 @@ PAGE_INLINE nibble nibble_at(const nibble_odds *odds, uint32_t at)
     uint32_t count = 0;
     for (int n = 0; n < 16; n++) count += odds->from[n] <= at;
     return (nibble){count - 1};
+}
+
+PAGE_INLINE nibble nibble_of(uint32_t number)
+{
+    return (nibble){number};
 }
 
 PAGE_INLINE uint32_t nibble_number(nibble behind)
@@ -234,7 +247,7 @@ PAGE_INLINE void learn(nibble_odds *odds, nibble behind)
 PAGE_INLINE uint32_t code_nibble_here(coder *c, nibble_odds *odds, uint32_t value)
 {
 #if PAGE_ENCODING
-    nibble behind = nibble_at(odds, odds->from[value]);
+    nibble behind = nibble_of(value);
 #else
     nibble behind = nibble_at(odds, c->now & (ODDS_ONE - 1));
     value         = nibble_number(behind);
@@ -258,7 +271,7 @@ PAGE_INLINE uint32_t code_two_nibbles(coder *c, nibble_odds *first, nibble_odds 
     uint32_t low = value & 15, high = value >> 4;
 #if PAGE_ENCODING
     second += apart * (low >> 3);
-    nibble low_behind = nibble_at(first, first->from[low]), high_behind = nibble_at(second, second->from[high]);
+    nibble low_behind = nibble_of(low), high_behind = nibble_of(high);
 #else
     uint32_t at = c->next & (ODDS_ONE - 1), high_0 = nibble_number(nibble_at(second, at)),
              high_1   = nibble_number(nibble_at(second + apart, at));

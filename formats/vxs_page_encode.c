@@ -15,23 +15,24 @@ static int reserve(vxs_bytes *b, size_t more)
     return 1;
 }
 
-/* The state of the decoder after a symbol, before it reads a word; ~0: it would get another symbol. */
-PAGE_INLINE uint32_t undone(uint32_t state, uint32_t from, uint32_t size)
-{
-    uint32_t at = (state & (ODDS_ONE - 1)) - from;
-    return at < size ? size * (state >> ODDS_BITS) + at : ~0u;
-}
+/* What a decoder would not get back. */
+typedef struct coder_faults {
+    uint32_t states; /* bits in which its states differ */
+    uint32_t bounds; /* highest bit: another symbol, or a word too many or too few */
+} coder_faults;
 
 /* Put a symbol into a state. A state that is too large for it first gives a word, before `to`. Whether it does is unpredictable, so
- * there is no branch on it.   same  cleared if the decoder would not get the symbol, the state and the word back */
-PAGE_INLINE uint32_t put_part(uint32_t state, uint32_t part, uint8_t **to, uint32_t *same)
+ * there is no branch on it. */
+PAGE_INLINE uint32_t put_part(uint32_t state, uint32_t part, uint8_t **to, coder_faults *faults)
 {
-    uint32_t from = part >> 16, size = part & 0xffff, large = state >> 16 >= size << 1;
+    uint32_t from = part >> 16, size = part & 0xffff;
+    int      large = state >> 16 >= size << 1;
     vxs_store16(*to - 2, (uint16_t)state);
-    *to -= 2 * large;
-    state >>= 16 * large;
-    uint32_t now = (state / size << ODDS_BITS) + state % size + from;
-    *same &= (uint32_t)(undone(now, from, size) == state) & (uint32_t)((state < STATE_LEAST) == large);
+    *to -= large ? 2 : 0;
+    state        = large ? state >> 16 : state;
+    uint32_t now = (state / size << ODDS_BITS) + state % size + from, at = (now & (ODDS_ONE - 1)) - from;
+    faults->states |= (size * (now >> ODDS_BITS) + at) ^ state;
+    faults->bounds |= (size - 1 - at) | ((now >> 16) - 1);
     return now;
 }
 
@@ -41,16 +42,17 @@ PAGE_INLINE uint32_t put_part(uint32_t state, uint32_t part, uint8_t **to, uint3
  * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT after such a fault. */
 static vxs_result append_coded(vxs_bytes *out, const coder *c)
 {
-    uint8_t *end = (uint8_t *)(c->parts + c->count), *to = end;
-    uint32_t even = STATE_LEAST, odd = STATE_LEAST, same = 1;
-    size_t   n = c->count;
-    if (n & 1) even = put_part(even, c->parts[--n], &to, &same);
+    uint8_t     *end = (uint8_t *)(c->parts + c->count), *to = end;
+    uint32_t     even = STATE_LEAST, odd = STATE_LEAST;
+    coder_faults faults = {0, 0};
+    size_t       n      = c->count;
+    if (n & 1) even = put_part(even, c->parts[--n], &to, &faults);
     while (n) {
-        odd  = put_part(odd, c->parts[--n], &to, &same);
-        even = put_part(even, c->parts[--n], &to, &same);
+        odd  = put_part(odd, c->parts[--n], &to, &faults);
+        even = put_part(even, c->parts[--n], &to, &faults);
     }
     size_t size_bytes = (size_t)(end - to);
-    if (!same) return VXS_E_ARGUMENT;
+    if (faults.states || faults.bounds >> 31) return VXS_E_ARGUMENT;
     if (!reserve(out, size_bytes + 8)) return VXS_E_MEMORY;
     uint8_t *at = out->data + out->size_bytes;
     if (size_bytes) memcpy(at, to, size_bytes);
@@ -68,15 +70,22 @@ struct vxs_page_encoder {
 
 vxs_page_encoder *vxs_page_encoder_new(void)
 {
-    vxs_page_encoder *e = malloc(sizeof *e);
-    if (e) e->symbols = (coder){0};
-    return e;
+    return calloc(1, sizeof(vxs_page_encoder));
 }
 
 void vxs_page_encoder_free(vxs_page_encoder *e)
 {
     if (e) free(e->symbols.parts);
     free(e);
+}
+
+/* Only the ranks of what a page can name: a page that names others is refused, whatever their ranks are. */
+static void forget_ranks(vxs_page_encoder *e, uint32_t word_count, const vxs_common *common)
+{
+    const uint32_t halves = common->half_count < VXS_COMMON_HALVES_MAX ? common->half_count : VXS_COMMON_HALVES_MAX;
+    memset(e->pattern_rank, 0, 2 * word_count * sizeof *e->pattern_rank);
+    memset(e->pattern_rank + REF_COMMON, 0, halves * sizeof *e->pattern_rank);
+    memset(e->block_rank, 0, word_count * sizeof *e->block_rank);
 }
 
 vxs_result vxs_page_encode(vxs_page_encoder *e, vxs_bytes *out, const uint32_t *words, uint32_t word_count,
@@ -95,8 +104,7 @@ vxs_result vxs_page_encode(vxs_page_encoder *e, vxs_bytes *out, const uint32_t *
                      .block_rank   = e->block_rank};
     size_t before = out->size_bytes;
     memset(e->words, 0, word_count * sizeof *e->words);
-    memset(e->pattern_rank, 0, sizeof e->pattern_rank);
-    memset(e->block_rank, 0, sizeof e->block_rank);
+    forget_ranks(e, word_count, common);
     int same   = w.node_words && code_page(&w, nodes, node_count) && !memcmp(e->words, words, word_count * sizeof *words);
     e->symbols = w.c;
     if (w.c.no_memory || (same && !reserve(out, 4))) return VXS_E_MEMORY;

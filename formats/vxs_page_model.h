@@ -76,12 +76,13 @@ static int code_palette(walk *w, block *b, uint32_t *form, uint32_t *delta, uint
     uint32_t end = width == 0 ? 1 << 8 : width == 1 ? 1 << 16 : DEPTH_END;
     b->depth[0]  = (int16_t)b->base;
     for (uint32_t n = 1; n < 16; n++) b->depth[n] = 0;
-    uint32_t step = 0;
+    uint32_t step = 0, deltas_at = b->from_tiles + count_bits(source_word(w, b->from) & 0xffff);
+    b->entry_at = 8 * deltas_at + (2 * (b->entries - 1) << width);
     for (uint32_t n = 0; n + 1 < b->entries; n++) {
         uint32_t value = 0, is_last = n + 2 == b->entries;
         if (PAGE_ENCODING) {
-            uint32_t at = b->from_tiles + count_bits(source_word(w, b->from) & 0xffff), byte = n << width;
-            value = source_word(w, at + byte / 4) >> 8 * (byte & 3) & (width == 0 ? 0xff : width == 1 ? 0xffff : ~0u);
+            uint32_t byte = n << width;
+            value = source_word(w, deltas_at + byte / 4) >> 8 * (byte & 3) & (width == 0 ? 0xff : width == 1 ? 0xffff : ~0u);
             if (value <= last || value >= end) return 0;
         }
         uint32_t kind = w->fine ? 7 * (2 * (shift < 3 ? shift : 3) + is_last) + (step < 6 ? step : 6) : 2 * shift + (n > 0);

@@ -61,15 +61,12 @@ static uint32_t find_pattern(const walk *w, uint32_t kind, uint32_t ref)
 
 static uint32_t find_common(const vxs_common *common, uint32_t kind, uint32_t ref)
 {
-    uint32_t low = common->first[kind], high = common->first[kind + 1], half = ref & (REF_COMMON - 1);
-    while (low < high) {
-        uint32_t middle = low + (high - low) / 2;
-        if (common->patterns[middle] < half)
-            low = middle + 1;
-        else
-            high = middle;
+    const uint32_t *first = common->patterns + common->first[kind], *at = first, half = ref & (REF_COMMON - 1);
+    for (uint32_t count = common->first[kind + 1] - common->first[kind]; count; count /= 2) {
+        const uint32_t *next = at + (count + 1) / 2; /* without a branch on what is there, which is unpredictable */
+        at                   = next[-1] < half ? next : at;
     }
-    return low - common->first[kind];
+    return (uint32_t)(at - first);
 }
 
 /* A pattern of the common pool, used for the first time. 0: invalid. */
@@ -114,6 +111,21 @@ PAGE_INLINE uint32_t set_size(const uint16_t *set, uint32_t lanes)
 #endif
 }
 
+/* The place of a value, which is not 0; 15: it is not in the set. Encoder only. */
+PAGE_INLINE uint32_t set_find(const uint16_t *set, uint32_t lanes, uint32_t value)
+{
+#ifdef PAGE_SSE2
+    const __m128i *from = (const __m128i *)set, all = _mm_set1_epi16((int16_t)value);
+    __m128i        low = lanes == USED_LANES ? _mm_loadl_epi64(from) : _mm_load_si128(from), high = _mm_setzero_si128();
+    if (lanes != USED_LANES) high = _mm_cmpeq_epi16(_mm_load_si128(from + 1), all);
+    return page_first_bit((uint32_t)_mm_movemask_epi8(_mm_packs_epi16(_mm_cmpeq_epi16(low, all), high)) | 1 << 15);
+#else
+    uint32_t place = 0;
+    while (place < lanes && set[place] != value) place++;
+    return place < lanes ? place : 15;
+#endif
+}
+
 /* Put a value in front; those before this place move by one. */
 PAGE_INLINE void set_first(uint16_t *set, uint32_t lanes, uint32_t place, uint32_t value)
 {
@@ -143,8 +155,8 @@ PAGE_INLINE uint32_t code_again(coder *c, uint16_t *set, uint32_t lanes, nibble_
 {
     uint32_t size = set_size(set, lanes), place = 0;
     if (!size) return 0;
-    while (PAGE_ENCODING && place < size && set[place] != value) place++;
-    place = code_nibble_here(c, odds + size - 1, place < size ? place : 15);
+    if (PAGE_ENCODING) place = set_find(set, lanes, value);
+    place = code_nibble_here(c, odds + size - 1, place);
     if (place >= size) return 0;
     value = set[place];
     set_first(set, lanes, place, value);
@@ -279,9 +291,11 @@ typedef struct block {
     int32_t     base;
     int32_t     private_base[16];
     block_plane plane;
-    sheet       sheet;    /* the plane, in the node */
-    uint32_t    word;     /* where the block is in the page */
-    uint32_t    from;     /* where the block is in the source */
+    sheet       sheet; /* the plane, in the node */
+    uint32_t    word;  /* where the block is in the page */
+    uint32_t    from;  /* where the block is in the source */
+    /* encoder only: the entry of the last uniform tile in the source, and the nibble where that of the next fresh one is */
+    uint32_t    entry, entry_at;
     uint16_t    used[16]; /* palette entries used by each tile */
 } block;
 
@@ -293,11 +307,11 @@ static int code_uniform_tile(walk *w, block *b, uint32_t t, uint32_t x0, uint32_
         uint32_t left  = page_first_bit((equal_depths(b->depth, w->left[y0]) & in) | 1 << none);
         uint32_t above = page_first_bit((equal_depths(b->depth, w->above[8 + x0]) & in) | 1 << none);
         if (PAGE_ENCODING) {
-            uint32_t shape = source_word(w, b->from), mixed = count_bits(shape & 0xffff),
-                     nth  = count_bits(shape >> 16 & ((2u << t) - 1)) - 1;
-            uint32_t byte = ((b->entries - 1) << (source_word(w, b->from + 1) >> 24 & 3)) + (nth & 15) / 2;
-            index         = source_word(w, b->from_tiles + mixed + byte / 4) >> (8 * (byte & 3) + 4 * (nth & 1)) & 15;
-            index         = index == left ? 0 : index == above ? 1 : index < b->entries ? index + 2 : 0;
+            if (source_word(w, b->from) >> (16 + t) & 1) {
+                b->entry = source_word(w, b->entry_at / 8) >> 4 * (b->entry_at % 8) & 15;
+                b->entry_at++;
+            }
+            index = b->entry == left ? 0 : b->entry == above ? 1 : b->entry < b->entries ? b->entry + 2 : 0;
         }
         uint32_t many = b->entries < 4 ? 0 : b->entries < 9 ? 1 : 2;
         index         = code_nibble(&w->c, &w->odds->index[likeness(left, above, none)][many], index);
@@ -345,8 +359,7 @@ static int code_mixed_tile(walk *w, block *b, uint32_t t, uint32_t x0, uint32_t 
 {
     uint32_t word = 0, used = 0, low;
     if (PAGE_ENCODING) {
-        uint32_t before = count_bits(source_word(w, b->from) & ((1u << t) - 1));
-        word            = source_word(w, b->from_tiles + before);
+        word = source_word(w, b->from_tiles + b->mixed_count);
         if (!(source_word(w, b->from + 1) >> t & 1)) used = word & ((1u << b->entries) - 1);
     }
     if (b->entries > 1) used = code_used(w, b, t, used, x0, y0);
