@@ -33,30 +33,13 @@ typedef struct node_place {
     uint32_t node, shape, base; /* shape: index of the first place with an equal shape; base: in steps of the map's depth */
     uint32_t words;             /* size of its record */
     uint32_t page, word;
+    uint32_t last; /* of the first place of a shape, while pages are cut: the last place of this shape; NEVER: none yet */
 } node_place;
-
-/* Position of a thing in the current page; not in the page if the stamp is of an earlier page. */
-typedef struct in_page {
-    uint32_t stamp, at;
-} in_page;
-
-/* The pattern of a tile in the layout. */
-typedef struct tile_code {
-    int      is_private;
-    uint32_t code;
-} tile_code;
-
-/* Contents of the current page. */
-typedef struct page_scratch {
-    in_page  *shape_at, *block_at, *code_at[2];
-    uint32_t  stamp;
-    uint32_t  fresh_count; /* patterns that no node before the last one uses */
-    tile_code fresh[NODE_BLOCKS * BLOCK_TILES];
-} page_scratch;
 
 /* End of a page. */
 typedef struct page_end {
     uint32_t node, word; /* first node behind it; words of all pages up to here */
+    uint32_t node_words; /* of the page: where its patterns begin */
 } page_end;
 
 typedef struct layout {
@@ -69,7 +52,6 @@ typedef struct layout {
     uint16_t    *block_words;  /* [blocks] words of a block without its patterns */
     page_end    *page_end;     /* [page_count] */
     size_t       page_count, page_capacity;
-    page_scratch scratch;   /* scratch of the thread that cuts pages */
     uint32_t    *common[2]; /* [code] 1 + position of its half in the common pool; 0: not there */
     uint32_t     common_halves;
     uint8_t     *common_kinds; /* [common_count] kinds of patterns, in the order of the common pool */

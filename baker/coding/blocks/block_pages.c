@@ -107,56 +107,73 @@ typedef struct page_size {
     uint32_t words, halves;
 } page_size;
 
-/* Stamp of the common patterns, which are never new in a page. */
-#define IN_COMMON UINT32_MAX
+/* The pattern of a tile in the layout. */
+typedef struct tile_code {
+    int      is_private;
+    uint32_t code;
+} tile_code;
 
-/* Whether a thing is not in the page yet. Marks it as in the page, at `at`. */
-static int is_new(in_page *p, uint32_t stamp, uint32_t at)
+/* Mark of the common patterns, which are never new in a page. */
+#define IN_COMMON UINT16_MAX
+
+/* What pages have, while they are cut: the last page that has a thing, counted from 1. */
+typedef struct cutter {
+    uint16_t *block, *code[2];
+    uint32_t  fresh_count; /* patterns that no node of the page before the last one uses */
+    tile_code fresh[NODE_BLOCKS * BLOCK_TILES];
+} cutter;
+
+/* Whether a thing is not in the page yet. Marks it as in the page. */
+static int is_new(uint16_t *last, uint32_t page)
 {
-    if (p->stamp >= stamp) return 0;
-    *p = (in_page){stamp, at};
+    if (*last >= page) return 0;
+    *last = (uint16_t)page;
     return 1;
 }
 
 /* Add to a page the patterns of a block that are not in it yet. */
-static void add_patterns(const layout *l, page_scratch *s, page_size *page, uint32_t id)
+static void add_patterns(const layout *l, cutter *c, uint32_t page, page_size *size, uint32_t id)
 {
     block_head head;
     uint32_t   codes[BLOCK_TILES];
     block_patterns(intern_at(&l->set->blocks, id), &head, codes);
     for (uint32_t n = 0, rest = head.patterned; rest; n++, rest &= rest - 1) {
         const int is_private = head.own >> __builtin_ctz(rest) & 1;
-        if (!is_new(&s->code_at[is_private][codes[n]], s->stamp, page->halves)) continue;
-        page->halves += l->code_size[is_private][codes[n]];
-        s->fresh[s->fresh_count++] = (tile_code){is_private, codes[n]};
+        if (!is_new(&c->code[is_private][codes[n]], page)) continue;
+        size->halves += l->code_size[is_private][codes[n]];
+        c->fresh[c->fresh_count++] = (tile_code){is_private, codes[n]};
     }
 }
 
 /* Blocks are scattered in memory: ask for those of a node early. */
-static void prefetch_blocks(const layout *l, const page_scratch *s, const node_place *n)
+static void prefetch_blocks(const layout *l, const node_place *n)
 {
     const block_node *node = &l->set->nodes[n->node];
-    for (uint64_t rest = node->mixed; rest; rest &= rest - 1) {
-        const uint32_t id = node->block[__builtin_ctzll(rest)];
-        __builtin_prefetch(&s->block_at[id]);
-        __builtin_prefetch(intern_at(&l->set->blocks, id));
-    }
+    for (uint64_t rest = node->mixed; rest; rest &= rest - 1)
+        __builtin_prefetch(intern_at(&l->set->blocks, node->block[__builtin_ctzll(rest)]));
 }
 
-/* Add to a page the words of a node, and of its blocks and patterns that are not in the page yet; give them places. Patterns
- * count from half 0. */
-static void add_to_page(const layout *l, page_scratch *s, page_size *page, const node_place *n)
+/* Add to the last page the words of a node, and of its blocks and patterns that are not in the page yet. */
+static void add_to_page(layout *l, cutter *c, page_size *size, uint32_t n)
 {
-    const block_node *node = &l->set->nodes[n->node];
-    s->fresh_count         = 0;
-    prefetch_blocks(l, s, n + 1);
-    if (!is_new(&s->shape_at[n->shape], s->stamp, page->words)) return;
-    page->words += n->words;
+    node_place       *to = &l->nodes[n], *first = &l->nodes[to->shape];
+    const block_node *node = &l->set->nodes[to->node];
+    const uint32_t    page = (uint32_t)l->page_count + 1;
+    c->fresh_count         = 0;
+    prefetch_blocks(l, to + 1);
+    to->page = page - 1;
+    if (first->last != NEVER && first->last != n && l->nodes[first->last].page == to->page) {
+        to->word = l->nodes[first->last].word;
+        return;
+    }
+    first->last = n;
+    to->word    = size->words;
+    size->words += to->words;
     for (uint64_t rest = node->mixed; rest; rest &= rest - 1) {
         const uint32_t id = node->block[__builtin_ctzll(rest)];
-        if (!is_new(&s->block_at[id], s->stamp, page->words)) continue;
-        page->words += l->block_words[id];
-        add_patterns(l, s, page, id);
+        if (!is_new(&c->block[id], page)) continue;
+        size->words += l->block_words[id];
+        add_patterns(l, c, page, size, id);
     }
 }
 
@@ -165,71 +182,63 @@ static uint32_t page_words(const page_size *p)
     return p->words + (p->halves + 1) / 2;
 }
 
-static void mark_common(page_scratch *s, const layout *l)
+static vxs_result cutter_init(cutter *c, const layout *l)
 {
-    for (int is_private = 0; is_private < 2; is_private++)
-        for (uint32_t code = 0; code < l->codes[is_private].count; code++)
-            if (l->common[is_private][code]) s->code_at[is_private][code].stamp = IN_COMMON;
+    c->block = malloc((l->set->blocks.count + 1) * sizeof *c->block);
+    for (int k = 0; k < 2; k++) c->code[k] = malloc((l->codes[k].count + 1) * sizeof **c->code);
+    return c->block && c->code[0] && c->code[1] ? VXS_OK : VXS_E_MEMORY;
 }
 
-static vxs_result scratch_init(page_scratch *s, const layout *l)
+static void cutter_free(cutter *c)
 {
-    *s = (page_scratch){
-        .shape_at = calloc(l->set->node_count + 1, sizeof *s->shape_at),
-        .block_at = calloc(l->set->blocks.count + 1, sizeof *s->block_at),
-        .code_at  = {calloc(l->codes[0].count + 1, sizeof **s->code_at), calloc(l->codes[1].count + 1, sizeof **s->code_at)}};
-    if (!s->shape_at || !s->block_at || !s->code_at[0] || !s->code_at[1]) return VXS_E_MEMORY;
-    mark_common(s, l);
-    return VXS_OK;
+    free(c->block);
+    free(c->code[0]);
+    free(c->code[1]);
 }
 
-static void scratch_free(page_scratch *s)
+/* No page has anything yet. */
+static void cutter_begin(cutter *c, layout *l)
 {
-    free(s->shape_at);
-    free(s->block_at);
-    free(s->code_at[0]);
-    free(s->code_at[1]);
+    l->page_count = 0;
+    memset(c->block, 0, l->set->blocks.count * sizeof *c->block);
+    for (int k = 0; k < 2; k++)
+        for (uint32_t code = 0; code < l->codes[k].count; code++) c->code[k][code] = l->common[k][code] ? IN_COMMON : 0;
+    for (size_t n = 0; n < l->set->node_count; n++) l->nodes[n].last = NEVER;
 }
 
 /* End the page before node n. */
-static vxs_result end_page(layout *l, uint32_t n, uint32_t words)
+static vxs_result end_page(layout *l, uint32_t n, const page_size *size)
 {
     if (!array_reserve(&l->page_end, &l->page_capacity, l->page_count + 1, sizeof *l->page_end)) return VXS_E_MEMORY;
-    uint64_t end = (uint64_t)page_place(l, l->page_count) + words;
-    if (end > UINT32_MAX / 2) return VXS_E_REFERENCES;
-    l->page_end[l->page_count++] = (page_end){n, (uint32_t)end};
-    l->scratch.stamp++;
+    uint64_t end = (uint64_t)page_place(l, l->page_count) + page_words(size);
+    if (end > UINT32_MAX / 2 || l->page_count == VXS_PAGES_MAX) return VXS_E_REFERENCES;
+    l->page_end[l->page_count++] = (page_end){n, (uint32_t)end, size->words};
     return VXS_OK;
 }
 
 /* End pages where they are full, or where the words so far are nearest to a multiple of `share`.
  * pages  [is_private][code] zeroed; [out] number of pages with each pattern; NULL: not wanted */
-static vxs_result cut(layout *l, uint64_t share, uint32_t *const *pages)
+static vxs_result cut(layout *l, cutter *c, uint64_t share, uint32_t *const *pages)
 {
-    page_scratch *s     = &l->scratch;
-    uint32_t      count = (uint32_t)l->set->node_count;
-    page_size     page  = {0, 0};
-    vxs_result    r     = VXS_OK;
-    l->page_count       = 0;
-    s->stamp++;
+    uint32_t   count = (uint32_t)l->set->node_count;
+    page_size  page  = {0, 0};
+    vxs_result r     = VXS_OK;
+    cutter_begin(c, l);
     for (uint32_t n = 0, first = 0; n < count && r == VXS_OK; n++) {
-        node_place *node   = &l->nodes[n];
-        uint32_t    before = page_words(&page);
-        add_to_page(l, s, &page, node);
-        uint64_t middle =
-            page_place(l, l->page_count) + ((uint64_t)before + page_words(&page)) / 2; /* middle of this node among all words */
+        const page_size before = page;
+        add_to_page(l, c, &page, n);
+        uint64_t middle = page_place(l, l->page_count) +
+                          ((uint64_t)page_words(&before) + page_words(&page)) / 2; /* middle of this node among all words */
         if (n > first && (page_words(&page) > VXS_PAGE_WORDS_MAX || middle >= share * (l->page_count + 1))) {
             /* this node begins the next page */
-            r     = end_page(l, n, before);
+            r     = end_page(l, n, &before);
             first = n;
             page  = (page_size){0, 0};
-            add_to_page(l, s, &page, node);
+            add_to_page(l, c, &page, n);
         }
-        node->page = (uint32_t)l->page_count;
-        node->word = s->shape_at[node->shape].at;
-        for (const tile_code *t = s->fresh; pages && t < s->fresh + s->fresh_count; t++) pages[t->is_private][t->code]++;
+        for (const tile_code *t = c->fresh; pages && t < c->fresh + c->fresh_count; t++) pages[t->is_private][t->code]++;
     }
-    return r == VXS_OK && count ? end_page(l, count, page_words(&page)) : r;
+    return r == VXS_OK && count ? end_page(l, count, &page) : r;
 }
 
 /* common patterns ------------------------------------------------------------------------------------------------------------- */
@@ -249,9 +258,9 @@ static int by_use(const void *a, const void *b)
 
 /* First fill each page, which gives the least number of pages. Then cut again into this number of equal pages, so that threads
  * get equal work. */
-static vxs_result cut_twice(layout *l, uint32_t *const *pages)
+static vxs_result cut_twice(layout *l, cutter *c, uint32_t *const *pages)
 {
-    vxs_result r = cut(l, VXS_PAGE_WORDS_MAX, pages);
+    vxs_result r = cut(l, c, VXS_PAGE_WORDS_MAX, pages);
     if (r != VXS_OK || l->page_count < 2) return r;
 
     /* store patterns of several pages once, as many as there is space for */
@@ -262,45 +271,62 @@ static vxs_result cut_twice(layout *l, uint32_t *const *pages)
         for (uint32_t code = 0; code < l->codes[is_private].count; code++)
             if (pages[is_private][code] > 1) shared[count++] = (shared_code){pages[is_private][code], is_private, code};
     if (count) qsort(shared, count, sizeof *shared, by_use);
-    for (const shared_code *c = shared; c < shared + count && r == VXS_OK; c++) {
-        const uint32_t size = l->code_size[c->is_private][c->code];
+    for (const shared_code *p = shared; p < shared + count && r == VXS_OK; p++) {
+        const uint32_t size = l->code_size[p->is_private][p->code];
         if (l->common_halves + size > VXS_COMMON_HALVES_MAX) continue;
         if (!array_reserve(&l->common_kinds, &l->common_capacity, l->common_count + 1, sizeof *l->common_kinds)) {
             r = VXS_E_MEMORY;
             break;
         }
-        l->common_kinds[l->common_count++] = (uint8_t)(code_halves(l, (int)c->is_private, c->code)[-1] >> 8);
-        l->common[c->is_private][c->code]  = 1 + l->common_halves;
+        l->common_kinds[l->common_count++] = (uint8_t)(code_halves(l, (int)p->is_private, p->code)[-1] >> 8);
+        l->common[p->is_private][p->code]  = 1 + l->common_halves;
         l->common_halves += size;
     }
     free(shared);
-    mark_common(&l->scratch, l);
-
-    return r == VXS_OK ? cut(l, page_place(l, l->page_count) / l->page_count + 1, NULL) : r;
+    return r == VXS_OK ? cut(l, c, page_place(l, l->page_count) / l->page_count + 1, NULL) : r;
 }
 
 vxs_result layout_cut_pages(layout *l)
 {
     uint32_t  *pages[2] = {calloc(l->codes[0].count + 1, sizeof **pages), calloc(l->codes[1].count + 1, sizeof **pages)};
-    vxs_result r        = scratch_init(&l->scratch, l);
-    if (!pages[0] || !pages[1]) r = VXS_E_MEMORY;
-    if (r == VXS_OK) r = cut_twice(l, pages);
+    cutter    *c        = calloc(1, sizeof *c);
+    vxs_result r        = c && pages[0] && pages[1] ? cutter_init(c, l) : VXS_E_MEMORY;
+    if (r == VXS_OK) r = cut_twice(l, c, pages);
+    if (c) cutter_free(c);
+    free(c);
     free(pages[0]);
     free(pages[1]);
-    scratch_free(&l->scratch);
-    return r == VXS_OK && l->page_count > VXS_PAGES_MAX ? VXS_E_REFERENCES : r;
+    return r;
 }
 
 /* words ----------------------------------------------------------------------------------------------------------------------- */
 
-/* Scratch of a thread that writes pages. */
+/* The last page that has a thing, counted from 1, and where it is there: page << PLACE_BITS | place. */
+typedef uint32_t page_place_of;
+
+enum { PLACE_BITS = 17 };
+
+/* A thread that writes pages. */
 typedef struct page_writer {
-    const layout *l;
-    uint32_t     *to;
-    size_t        first, step; /* its pages: first, first + step, ... */
-    page_scratch  scratch;
-    block_counts  counts;
+    const layout  *l;
+    uint32_t      *to;
+    size_t         first, step;     /* its pages: first, first + step, ... */
+    page_place_of *block, *code[2]; /* words of blocks; halves of patterns, from the first pattern of the page on */
+    block_counts   counts;
 } page_writer;
+
+/* Whether a thing is not in the page yet; it gets this place. */
+static int gets_place(page_place_of *last, size_t page, uint32_t place)
+{
+    if (*last >> PLACE_BITS == page + 1) return 0;
+    *last = (uint32_t)(page + 1) << PLACE_BITS | place;
+    return 1;
+}
+
+static uint32_t place_of(page_place_of last)
+{
+    return last & ((1u << PLACE_BITS) - 1);
+}
 
 /* Writes halves and bytes into words, from a place on. */
 typedef struct half_writer {
@@ -326,7 +352,7 @@ static void put_bytes(uint32_t *words, uint32_t at, uint32_t value, uint32_t cou
 }
 
 /* Returns the number of words. */
-static uint32_t write_node(const page_scratch *places, uint32_t *to, const node_shape *s)
+static uint32_t write_node(const page_place_of *block_at, uint32_t *to, const node_shape *s)
 {
     uint64_t    fresh = fresh_blocks(s);
     int         wide  = is_wide(s);
@@ -337,40 +363,12 @@ static uint32_t write_node(const page_scratch *places, uint32_t *to, const node_
     put_half(&w, (uint32_t)s->slope.y);
     put_half(&w, wide ? NODE_WIDE : 0);
     for (int b = 0; b < NODE_BLOCKS; b++)
-        if (s->mixed >> b & 1) put_half(&w, places->block_at[s->block[b]].at);
+        if (s->mixed >> b & 1) put_half(&w, place_of(block_at[s->block[b]]));
     for (int b = 0; b < NODE_BLOCKS; b++)
         if (s->mixed >> b & 1) put_wide(&w, s->depth[b], wide);
     for (int b = 0; b < NODE_BLOCKS; b++)
         if (fresh >> b & 1) put_wide(&w, s->depth[b], wide);
     return (w.at + 1) / 2;
-}
-
-/* pool  half of the page where its patterns begin */
-static void write_block(const layout *l, const page_scratch *s, uint32_t *to, const block_lists *b, block_form f, uint32_t pool)
-{
-    uint32_t word = 2, byte, nibbles = 0;
-    to[0] = f.mixed | f.fresh << 16;
-    to[1] = f.own | f.plane | ((b->head.depths - 1u) | f.shift << 4 | f.width << 8 | (f.far ? BLOCK_FAR : 0)) << 16;
-    if (f.plane) {
-        int shift  = plane_shift(&b->plane);
-        to[word++] = ((uint32_t)(b->plane.across >> shift) & 0xffff) | (uint32_t)(b->plane.down >> shift) << 16;
-        to[word++] = (uint32_t)shift | (uint32_t)b->plane.least << 4;
-    }
-    for (uint32_t n = 0, own = 0, rest = f.mixed; rest; n++, rest &= rest - 1) {
-        const int      tile = __builtin_ctz(rest), is_private = f.own >> tile & 1;
-        const uint32_t code = b->pattern[n], common = l->common[is_private][code];
-        const uint32_t ref = common ? COMMON | (common - 1) : pool + s->code_at[is_private][code].at;
-        uint32_t       low = b->palette[tile];
-        if (is_private) low = f.far ? 0 : (uint32_t)(b->base[own++] + FAR_BASE);
-        to[word++] = ref << 14 | low;
-    }
-    byte = 4 * word;
-    for (uint32_t n = 1; n < b->head.depths; n++, byte += 1u << f.width)
-        put_bytes(to, byte, (uint32_t)b->depth[n] >> f.shift, 1u << f.width);
-    for (uint32_t rest = f.fresh; rest; rest &= rest - 1, nibbles++)
-        put_bytes(to, byte + nibbles / 2, (uint32_t)b->palette[__builtin_ctz(rest)] << 4 * (nibbles & 1), 1);
-    word = (byte + (nibbles + 1) / 2 + 3) / 4;
-    if (f.far) memcpy(to + word, b->base, (size_t)__builtin_popcount(f.own) * sizeof *to);
 }
 
 static void write_pattern(const layout *l, uint32_t *to, uint32_t half, int is_private, uint32_t code)
@@ -382,50 +380,97 @@ static void write_pattern(const layout *l, uint32_t *to, uint32_t half, int is_p
     if (halves < end) *to |= *halves;
 }
 
+/* A page that is being written. */
+typedef struct page_sink {
+    size_t    page;
+    uint32_t *words;
+    uint32_t  word, half; /* where the next record and the next pattern go; halves from the first pattern on */
+    uint32_t  pool;       /* half of the page where its patterns begin */
+} page_sink;
+
+/* The name of a pattern, which is written if it is new in the page. */
+static uint32_t pattern_ref(page_writer *w, page_sink *s, int is_private, uint32_t code)
+{
+    const layout  *l      = w->l;
+    const uint32_t common = l->common[is_private][code];
+    if (common) return COMMON | (common - 1);
+    if (gets_place(&w->code[is_private][code], s->page, s->half)) {
+        write_pattern(l, s->words, s->pool + s->half, is_private, code);
+        s->half += l->code_size[is_private][code];
+        is_private ? w->counts.private_patterns++ : w->counts.patterns++;
+    }
+    return s->pool + place_of(w->code[is_private][code]);
+}
+
+static void write_block(page_writer *w, page_sink *s, const block_lists *b, block_form f)
+{
+    uint32_t *to = s->words + s->word, word = 2, byte, nibbles = 0;
+    to[0] = f.mixed | f.fresh << 16;
+    to[1] = f.own | f.plane | ((b->head.depths - 1u) | f.shift << 4 | f.width << 8 | (f.far ? BLOCK_FAR : 0)) << 16;
+    if (f.plane) {
+        int shift  = plane_shift(&b->plane);
+        to[word++] = ((uint32_t)(b->plane.across >> shift) & 0xffff) | (uint32_t)(b->plane.down >> shift) << 16;
+        to[word++] = (uint32_t)shift | (uint32_t)b->plane.least << 4;
+    }
+    for (uint32_t n = 0, own = 0, rest = f.mixed; rest; n++, rest &= rest - 1) {
+        const int      tile = __builtin_ctz(rest), is_private = f.own >> tile & 1;
+        const uint32_t ref = pattern_ref(w, s, is_private, b->pattern[n]);
+        uint32_t       low = b->palette[tile];
+        if (is_private) low = f.far ? 0 : (uint32_t)(b->base[own++] + FAR_BASE);
+        to[word++] = ref << 14 | low;
+    }
+    byte = 4 * word;
+    for (uint32_t n = 1; n < b->head.depths; n++, byte += 1u << f.width)
+        put_bytes(to, byte, (uint32_t)b->depth[n] >> f.shift, 1u << f.width);
+    for (uint32_t rest = f.fresh; rest; rest &= rest - 1, nibbles++)
+        put_bytes(to, byte + nibbles / 2, (uint32_t)b->palette[__builtin_ctz(rest)] << 4 * (nibbles & 1), 1);
+    word = (byte + (nibbles + 1) / 2 + 3) / 4;
+    if (f.far) memcpy(to + word, b->base, (size_t)__builtin_popcount(f.own) * sizeof *to);
+    s->word += f.words;
+    w->counts.blocks++;
+    w->counts.block_words += f.words;
+    w->counts.tiles += (uint32_t)__builtin_popcount(f.mixed);
+    w->counts.private_tiles += (uint32_t)__builtin_popcount(f.own);
+}
+
+/* Write a node that is new in the page, and behind it its blocks that are. */
+static void write_record(page_writer *w, page_sink *s, const node_place *place)
+{
+    const layout *l     = w->l;
+    uint64_t      fresh = 0;
+    uint32_t      word  = s->word + place->words;
+    node_shape    shape;
+    shape_of(&shape, l, place);
+    for (uint64_t rest = shape.mixed; rest; rest &= rest - 1) {
+        const uint32_t id = shape.block[__builtin_ctzll(rest)];
+        if (!gets_place(&w->block[id], s->page, word)) continue;
+        word += l->block_words[id];
+        fresh |= rest & -rest;
+    }
+    s->word += write_node(w->block, s->words + s->word, &shape);
+    w->counts.nodes++;
+    w->counts.node_words += place->words;
+    for (; fresh; fresh &= fresh - 1) {
+        block_lists of;
+        block_read(&of, intern_at(&l->set->blocks, shape.block[__builtin_ctzll(fresh)]));
+        write_block(w, s, &of, form_of(&of));
+    }
+}
+
 /* Write the contents of a page.   words  zeroed */
 static void write_page(page_writer *w, size_t page, uint32_t *words)
 {
-    const layout *l     = w->l;
-    uint32_t      first = page ? l->page_end[page - 1].node : 0, end = l->page_end[page].node, next_word = 0, next_half = 0;
-    page_size     size = {0, 0};
-    block_counts *c    = &w->counts;
-    w->scratch.stamp++;
-    for (uint32_t n = first; n < end; n++) add_to_page(l, &w->scratch, &size, &l->nodes[n]);
-    uint32_t pool = 2 * size.words;
-    for (uint32_t n = first; n < end; n++) {
-        if (l->nodes[n].word != next_word) continue;
-        node_shape shape;
-        shape_of(&shape, l, &l->nodes[n]);
+    const layout     *l   = w->l;
+    const page_end   *end = &l->page_end[page];
+    page_sink         s   = {.page = page, .words = words, .pool = 2 * end->node_words};
+    const node_place *n   = l->nodes + (page ? end[-1].node : 0);
+    for (; n < l->nodes + end->node; n++) {
+        prefetch_blocks(l, n + 1);
+        if (n->word != s.word) continue;
         run_control_wait();
-        uint32_t node_words = write_node(&w->scratch, words + next_word, &shape);
-        next_word += node_words;
-        c->nodes++;
-        c->node_words += node_words;
-        for (int b = 0; b < NODE_BLOCKS; b++) {
-            if (!(shape.mixed >> b & 1) || w->scratch.block_at[shape.block[b]].at != next_word) continue;
-            block_lists of;
-            block_read(&of, intern_at(&l->set->blocks, shape.block[b]));
-            block_form form = form_of(&of);
-            write_block(l, &w->scratch, words + next_word, &of, form, pool);
-
-            /* the patterns that no earlier block of the page uses */
-            for (uint32_t k = 0, rest = form.mixed; rest; k++, rest &= rest - 1) {
-                const int      is_private = form.own >> __builtin_ctz(rest) & 1;
-                const uint32_t code       = of.pattern[k];
-                if (l->common[is_private][code] || w->scratch.code_at[is_private][code].at != next_half) continue;
-                write_pattern(l, words, pool + next_half, is_private, code);
-                next_half += l->code_size[is_private][code];
-                is_private ? w->counts.private_patterns++ : w->counts.patterns++;
-            }
-
-            next_word += form.words;
-            c->blocks++;
-            c->block_words += form.words;
-            c->tiles += (uint32_t)__builtin_popcount(form.mixed);
-            c->private_tiles += (uint32_t)__builtin_popcount(form.own);
-        }
+        write_record(w, &s, n);
     }
-    c->pattern_words += (size.halves + 1) / 2;
+    w->counts.pattern_words += (s.half + 1) / 2;
 }
 
 /* Each writer takes every step-th page: its scratch is as large as all that pages can contain, so there are few writers. */
@@ -438,6 +483,20 @@ static void write_some_pages(void *user, size_t begin, size_t end, uint32_t work
             write_page(&w[n], page, w[n].to + page_place(w[n].l, page));
 }
 
+static vxs_result writer_init(page_writer *w)
+{
+    w->block = calloc(w->l->set->blocks.count + 1, sizeof *w->block);
+    for (int k = 0; k < 2; k++) w->code[k] = calloc(w->l->codes[k].count + 1, sizeof **w->code);
+    return w->block && w->code[0] && w->code[1] ? VXS_OK : VXS_E_MEMORY;
+}
+
+static void writer_free(page_writer *w)
+{
+    free(w->block);
+    free(w->code[0]);
+    free(w->code[1]);
+}
+
 vxs_result layout_write_pages(layout *l, uint32_t *to)
 {
     page_writer writers[WRITERS_MAX];
@@ -445,7 +504,7 @@ vxs_result layout_write_pages(layout *l, uint32_t *to)
     vxs_result  r = VXS_OK;
     for (; made < count && r == VXS_OK; made++) {
         writers[made] = (page_writer){.l = l, .to = to, .first = made, .step = count};
-        r             = scratch_init(&writers[made].scratch, l);
+        r             = writer_init(&writers[made]);
     }
     if (r == VXS_OK) parallel_for(count, count, 1, write_some_pages, writers);
     for (uint32_t n = 0; n < made; n++) {
@@ -460,7 +519,7 @@ vxs_result layout_write_pages(layout *l, uint32_t *to)
         sum->node_words += from->node_words;
         sum->block_words += from->block_words;
         sum->pattern_words += from->pattern_words;
-        scratch_free(&writers[n].scratch);
+        writer_free(&writers[n]);
     }
     return r;
 }
