@@ -12,14 +12,21 @@
 #endif
 
 enum {
-    PLANE_LEAST = -(1 << 25), /* limit for which a plane's least depth can be stored relative to any block's base */
-    PLANE_MOST  = (1 << 26) + (1 << 22)
+    ALL_TILES     = (1 << BLOCK_TILES) - 1,
+    PALETTE_LANES = 16,         /* room for a palette in whole vectors */
+    PLANE_LEAST   = -(1 << 25), /* limit for which a plane's least depth can be stored relative to any block's base */
+    PLANE_MOST    = (1 << 26) + (1 << 22)
 };
 
 /* tiles ----------------------------------------------------------------------------------------------------------------------- */
 
-/* Set the ranges of a tile with the slope added.   last  greatest exit depth in the map */
-static void take_columns(tile_in *t, const column_tile *columns, int32_t shift, int32_t last_vx)
+/* Bounds of the columns of a tile. */
+typedef struct tile_ends {
+    int32_t emax, xmin;
+} tile_ends;
+
+/* Set the ranges of a tile with the slope added.   last_vx  greatest exit depth in the map */
+static tile_ends take_columns(tile_in *t, const column_tile *columns, int32_t shift, int32_t last_vx)
 {
     const i32x4 up = i32x4_all(shift), last = i32x4_all(last_vx), far = i32x4_all(FAR_DEPTH);
     i32x4       emax = i32x4_all(INT32_MIN), xmin = i32x4_all(INT32_MAX);
@@ -33,8 +40,7 @@ static void take_columns(tile_in *t, const column_tile *columns, int32_t shift, 
             memcpy(t->ranges.low + to, &e, sizeof e);
             memcpy(t->ranges.high + to, &x, sizeof x);
         }
-    t->emax = i32x4_greatest(emax);
-    t->xmin = i32x4_least(xmin);
+    return (tile_ends){i32x4_greatest(emax), i32x4_least(xmin)};
 }
 
 #ifdef __x86_64__
@@ -47,7 +53,7 @@ CPU_TARGET_AVX2 static ALWAYS_INLINE void put_row(int32_t *to, __m256i row)
 }
 
 /* The same with 8 lanes. */
-CPU_TARGET_AVX2 static void take_columns_avx2(tile_in *t, const column_tile *columns, int32_t shift, int32_t last_vx)
+CPU_TARGET_AVX2 static tile_ends take_columns_avx2(tile_in *t, const column_tile *columns, int32_t shift, int32_t last_vx)
 {
     const __m256i up = _mm256_set1_epi32(shift), last = _mm256_set1_epi32(last_vx), far = _mm256_set1_epi32(FAR_DEPTH);
     __m256i       emax = _mm256_set1_epi32(INT32_MIN), xmin = _mm256_set1_epi32(INT32_MAX);
@@ -61,87 +67,105 @@ CPU_TARGET_AVX2 static void take_columns_avx2(tile_in *t, const column_tile *col
         put_row(t->ranges.low + pattern_texel(0, y), e);
         put_row(t->ranges.high + pattern_texel(0, y), x);
     }
-    t->emax = i32x4_greatest((i32x4)_mm_max_epi32(_mm256_castsi256_si128(emax), _mm256_extracti128_si256(emax, 1)));
-    t->xmin = i32x4_least((i32x4)_mm_min_epi32(_mm256_castsi256_si128(xmin), _mm256_extracti128_si256(xmin, 1)));
+    __m128i most  = _mm_max_epi32(_mm256_castsi256_si128(emax), _mm256_extracti128_si256(emax, 1));
+    __m128i least = _mm_min_epi32(_mm256_castsi256_si128(xmin), _mm256_extracti128_si256(xmin, 1));
+    return (tile_ends){i32x4_greatest((i32x4)most), i32x4_least((i32x4)least)};
 }
 
 #endif
 
-/* Fetch the columns of a tile, and add the slope. */
-static vxs_result fetch_tile(node_builder *b, tile_in *t, uint32_t tile_x, uint32_t tile_y, int32_t shift)
+/* Fetch the columns of tile n of the block, and add the slope. */
+static vxs_result fetch_tile(node_builder *b, uint32_t n, uint32_t tile_x, uint32_t tile_y)
 {
     column_tile columns;
+    tile_in    *t       = &b->tile[n];
     int32_t     last_vx = (int32_t)b->columns->depth_vx - 1;
     vxs_result  r       = b->columns->tile(b->columns->data, b->tile_x + tile_x, b->tile_y + tile_y, &columns);
     if (r != VXS_OK) return r;
+    t->shift  = slope_shift(b->node.slope, (int32_t)tile_x, (int32_t)tile_y);
+    t->depths = 0;
 #ifdef __x86_64__
-    if (b->set->patterns.cpu >= CPU_AVX2) {
-        take_columns_avx2(t, &columns, shift, last_vx);
-        return VXS_OK;
-    }
+    tile_ends ends = b->set->patterns.cpu >= CPU_AVX2 ? take_columns_avx2(t, &columns, t->shift, last_vx)
+                                                      : take_columns(t, &columns, t->shift, last_vx);
+#else
+    tile_ends ends = take_columns(t, &columns, t->shift, last_vx);
 #endif
-    take_columns(t, &columns, shift, last_vx);
+    b->tile_emax[n] = ends.emax;
+    b->tile_xmin[n] = ends.xmin;
     return VXS_OK;
+}
+
+static void set_kind(node_builder *b, uint32_t tiles, tile_kind kind)
+{
+    for (int k = 0; k < TILE_KINDS; k++) b->of_kind[k] &= ~tiles;
+    b->of_kind[kind] |= tiles;
 }
 
 static vxs_result fetch_block(node_builder *b, uint32_t block_x, uint32_t block_y)
 {
-    for (uint32_t n = 0; n < BLOCK_TILES; n++) {
-        tile_in *t = &b->tile[n];
-        uint32_t x = 4 * block_x + n % 4, y = 4 * block_y + n / 4, at = NODE_TILES * y + x;
-        t->emax   = b->emax[at];
-        t->xmin   = b->xmin[at];
-        t->shift  = slope_shift(b->node.slope, (int32_t)x, (int32_t)y);
-        t->depths = 0;
-        if (t->emax > t->xmin) {
-            vxs_result r = fetch_tile(b, t, x, y, t->shift);
-            if (r != VXS_OK) return r;
-        }
-        t->kind = t->emax > t->xmin ? TILE_PATTERN : TILE_UNIFORM;
+    uint32_t mixed = 0, uniform = 0;
+    for (uint32_t row = 0; row < 4; row++) {
+        uint32_t at = NODE_TILES * (4 * block_y + row) + 4 * block_x;
+        i32x4    e = i32x4_load(b->emax + at), x = i32x4_load(b->xmin + at);
+        memcpy(b->tile_emax + 4 * row, &e, sizeof e);
+        memcpy(b->tile_xmin + 4 * row, &x, sizeof x);
+        mixed |= (uint32_t)i32x4_bits((i32x4)(e > x)) << 4 * row;
     }
+    for (uint32_t rest = mixed; rest; rest &= rest - 1) {
+        uint32_t   n = (uint32_t)__builtin_ctz(rest);
+        vxs_result r = fetch_tile(b, n, 4 * block_x + n % 4, 4 * block_y + n / 4);
+        if (r != VXS_OK) return r;
+        uniform |= (uint32_t)(b->tile_emax[n] <= b->tile_xmin[n]) << n; /* its bounds were loose */
+    }
+    memset(b->of_kind, 0, sizeof b->of_kind);
+    b->of_kind[TILE_PATTERN] = mixed & ~uniform;
+    b->of_kind[TILE_UNIFORM] = ALL_TILES & ~b->of_kind[TILE_PATTERN];
     return VXS_OK;
 }
 
-/* Make the depth axis for the block's tiles. */
+/* Make a depth axis of the depths that occur in these tiles, and set their codes. */
+static void scale_by_depths(node_builder *b, uint32_t ranged)
+{
+    int32_t  depths[AXIS_DEPTHS_MAX];
+    int16_t  codes[AXIS_DEPTHS_MAX];
+    int      count = 0, next = 0;
+    uint32_t uniform = b->of_kind[TILE_UNIFORM];
+    for (uint32_t rest = uniform; rest; rest &= rest - 1) {
+        depths[count++] = b->tile_emax[__builtin_ctz(rest)];
+        depths[count++] = b->tile_xmin[__builtin_ctz(rest)];
+    }
+    for (uint32_t rest = ranged; rest; rest &= rest - 1, count += 128)
+        memcpy(depths + count, &b->tile[__builtin_ctz(rest)].ranges, sizeof b->tile->ranges);
+    axis_init_by_depths(&b->axis, depths, codes, count);
+    for (uint32_t rest = uniform; rest; rest &= rest - 1) {
+        b->tile_low[__builtin_ctz(rest)]  = codes[next++];
+        b->tile_high[__builtin_ctz(rest)] = codes[next++];
+    }
+    for (uint32_t rest = ranged; rest; rest &= rest - 1, next += 128) {
+        tile_in *t = &b->tile[__builtin_ctz(rest)];
+        memcpy(t->low, codes + next, sizeof t->low);
+        memcpy(t->high, codes + next + 64, sizeof t->high);
+    }
+}
+
+/* Make the depth axis for the block's tiles, and set their codes. */
 static void scale_block(node_builder *b)
 {
-    int32_t least_high = INT32_MAX, greatest_low = INT32_MIN;
-    for (const tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
-        if (t->kind == TILE_PLANE) continue;
-        least_high   = min_i32(least_high, t->xmin);
-        greatest_low = max_i32(greatest_low, t->emax);
+    const uint32_t ranged     = b->of_kind[TILE_PATTERN] | b->of_kind[TILE_PRIVATE];
+    int32_t        least_high = INT32_MAX, greatest_low = INT32_MIN;
+    for (uint32_t rest = ranged | b->of_kind[TILE_UNIFORM]; rest; rest &= rest - 1) {
+        least_high   = min_i32(least_high, b->tile_xmin[__builtin_ctz(rest)]);
+        greatest_low = max_i32(greatest_low, b->tile_emax[__builtin_ctz(rest)]);
     }
     /* the first is greater if all tiles that are not on a plane are uniform, and have a common depth */
     if (!axis_init(&b->axis, min_i32(least_high, greatest_low), max_i32(least_high, greatest_low))) {
-        /* Make a depth axis of the depths that occur in the block's tiles, and set their codes. */
-        int32_t depths[AXIS_DEPTHS_MAX];
-        int16_t codes[AXIS_DEPTHS_MAX];
-        int     count = 0, next = 0;
-        depths[0] = 0; /* there is always one; avoids a compiler warning */
-        for (const tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
-            if (t->kind == TILE_PLANE) continue;
-            int of_tile = t->kind == TILE_UNIFORM ? 1 : 64;
-            memcpy(depths + count, t->kind == TILE_UNIFORM ? &t->emax : t->ranges.low, (size_t)of_tile * sizeof *depths);
-            count += of_tile;
-            memcpy(depths + count, t->kind == TILE_UNIFORM ? &t->xmin : t->ranges.high, (size_t)of_tile * sizeof *depths);
-            count += of_tile;
-        }
-        axis_init_by_depths(&b->axis, depths, codes, count);
-        for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
-            if (t->kind == TILE_PLANE) continue;
-            if (t->kind == TILE_UNIFORM) {
-                next += 2;
-                continue;
-            }
-            memcpy(t->low, codes + next, sizeof t->low);
-            memcpy(t->high, codes + next + 64, sizeof t->high);
-            next += 128;
-        }
-
+        scale_by_depths(b, ranged);
         return;
     }
-    for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
-        if (t->kind == TILE_UNIFORM || t->kind == TILE_PLANE) continue;
+    axis_codes(&b->axis, b->tile_emax, b->tile_low, BLOCK_TILES);
+    axis_codes(&b->axis, b->tile_xmin, b->tile_high, BLOCK_TILES);
+    for (uint32_t rest = ranged; rest; rest &= rest - 1) {
+        tile_in *t = &b->tile[__builtin_ctz(rest)];
         axis_codes(&b->axis, t->ranges.low, t->low, 64);
         axis_codes(&b->axis, t->ranges.high, t->high, 64);
     }
@@ -156,22 +180,58 @@ static void add_tile(intervals *s, const tile_in *t)
 
 /* palettes -------------------------------------------------------------------------------------------------------------------- */
 
-/* Count the depths that each tile needs, and give private palettes to tiles that need many. Returns the number of these. */
-static int give_private_depths(node_builder *b)
+/* Whether the points of the block prove that a tile needs fewer depths than PRIVATE_FROM. */
+static int needs_few(const node_builder *b, uint32_t tile, const stab_group *groups, int count)
 {
-    int count = 0;
-    for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
+    int16_t first = axis_code(&b->axis, b->tile_xmin[tile]), last = axis_code(&b->axis, b->tile_emax[tile]);
+    int     from = 0, to = 0;
+    while (from + 1 < count && groups[from + 1].high <= first) from++;
+    while (to + 1 < count && groups[to].high < last) to++;
+    return to - from + 1 < PRIVATE_FROM;
+}
+
+/* Count the depths that tiles need, and give private palettes to those that need many. Returns the number of these.
+ * groups  [count] points of the block; if they fit into its palette, tiles that need few are not counted */
+static int give_private_depths(node_builder *b, const stab_group *groups, int count)
+{
+    uint32_t many = 0;
+    for (uint32_t rest = b->of_kind[TILE_PATTERN]; rest; rest &= rest - 1) {
+        uint32_t   n = (uint32_t)__builtin_ctz(rest);
         intervals  s;
-        stab_group groups[PRIVATE_FROM];
-        if (t->kind != TILE_PATTERN) continue;
+        stab_group of_tile[PRIVATE_FROM];
+        if (count <= PALETTE_MAX && needs_few(b, n, groups, count)) continue;
         s.count = 0;
-        add_tile(&s, t);
-        t->depths = minimum_stabbing_set(&s, groups, PRIVATE_FROM, b->set->patterns.cpu);
-        if (t->depths < PRIVATE_FROM) continue;
-        t->kind = TILE_PRIVATE;
-        count++;
+        add_tile(&s, &b->tile[n]);
+        b->tile[n].depths = minimum_stabbing_set(&s, of_tile, PRIVATE_FROM, b->set->patterns.cpu);
+        many |= (uint32_t)(b->tile[n].depths >= PRIVATE_FROM) << n;
     }
-    return count;
+    set_kind(b, many, TILE_PRIVATE);
+    return many != 0;
+}
+
+/* Give a private palette to the tile that needs most depths. Uniform tiles alone may need too many. */
+static void give_most_private(node_builder *b)
+{
+    uint32_t most = 0, uniform = b->of_kind[TILE_UNIFORM];
+    int      depths = -1;
+    for (uint32_t rest = uniform | b->of_kind[TILE_PATTERN]; rest; rest &= rest - 1) {
+        uint32_t n     = (uint32_t)__builtin_ctz(rest);
+        int      needs = uniform >> n & 1 ? 0 : b->tile[n].depths;
+        if (needs <= depths) continue;
+        most   = n;
+        depths = needs;
+    }
+    if (uniform >> most & 1) {
+        tile_in *t = &b->tile[most];
+        for (int n = 0; n < 64; n++) {
+            t->ranges.low[n]  = b->tile_emax[most];
+            t->ranges.high[n] = b->tile_xmin[most];
+        }
+        private_plane(&t->plane, &t->ranges);
+        t->low[0]  = b->tile_low[most]; /* block_groups may use it */
+        t->high[0] = b->tile_high[most];
+    }
+    set_kind(b, 1u << most, TILE_PRIVATE);
 }
 
 /* The fewest depths for all tiles without a private palette. Gives tiles private palettes until the palette is large enough. */
@@ -180,41 +240,24 @@ static int block_groups(node_builder *b, stab_group groups[PALETTE_MAX + 1])
     for (int counted = 0;;) {
         intervals s; /* 4 KiB; only the count needs to be initialized */
         s.count = 0;
-        for (const tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
-            if (t->kind == TILE_PATTERN) add_tile(&s, t);
-            if (t->kind != TILE_UNIFORM) continue;
-            s.low[s.count]    = axis_code(&b->axis, t->emax);
-            s.high[s.count++] = axis_code(&b->axis, t->xmin);
+        for (uint32_t rest = b->of_kind[TILE_PATTERN]; rest; rest &= rest - 1) add_tile(&s, &b->tile[__builtin_ctz(rest)]);
+        for (uint32_t rest = b->of_kind[TILE_UNIFORM]; rest; rest &= rest - 1) {
+            s.low[s.count]    = b->tile_low[__builtin_ctz(rest)];
+            s.high[s.count++] = b->tile_high[__builtin_ctz(rest)];
         }
         if (!s.count) { /* all tiles have private palettes: the palette's depth is only their base */
-            const tile_in *first = b->tile;
-            while (first->kind == TILE_PLANE) first++;
-            s.low[0]  = first->low[0];
-            s.high[0] = first->high[0];
-            s.count   = 1;
+            const tile_in *first = &b->tile[__builtin_ctz(b->of_kind[TILE_PRIVATE])];
+            s.low[0]             = first->low[0];
+            s.high[0]            = first->high[0];
+            s.count              = 1;
         }
         int count = minimum_stabbing_set(&s, groups, PALETTE_MAX + 1, b->set->patterns.cpu);
         if (count >= PRIVATE_FROM && !counted) {
             counted = 1;
-            if (give_private_depths(b)) continue;
+            if (give_private_depths(b, groups, count)) continue;
         }
         if (count <= PALETTE_MAX) return count;
-
-        /* The palette is full: give a private palette to the tile that needs most depths. Uniform tiles alone may need too
-         * many. */
-        tile_in *most = NULL;
-        for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++)
-            if ((t->kind == TILE_UNIFORM || t->kind == TILE_PATTERN) && (!most || t->depths > most->depths)) most = t;
-        for (int n = 0; n < 64 && most->kind == TILE_UNIFORM; n++) {
-            most->ranges.low[n]  = most->emax;
-            most->ranges.high[n] = most->xmin;
-        }
-        if (most->kind == TILE_UNIFORM) {
-            private_plane(&most->plane, &most->ranges);
-            most->low[0]  = axis_code(&b->axis, most->emax); /* block_groups may use it */
-            most->high[0] = axis_code(&b->axis, most->xmin);
-        }
-        most->kind = TILE_PRIVATE;
+        give_most_private(b);
     }
 }
 
@@ -225,57 +268,54 @@ static int32_t roundest(int32_t low, int32_t high)
     return high >> bit << bit;
 }
 
-enum { PALETTE_LANES = 16 };
-
-/* Number of ascending depths below this one. */
-static int count_below(const int32_t depths[PALETTE_LANES], int32_t depth)
+/* Choose entries of uniform tiles: the same as the tiles before, where possible.   codes  [count] of the palette */
+static void place_uniform(const node_builder *b, block *out, const int16_t *codes, int count)
 {
-    u32x4 below[4];
-    for (int n = 0; n < 4; n++) below[n] = (u32x4)(i32x4_load(depths + 4 * n) < i32x4_all(depth));
-    return __builtin_ctz(u32x4_zeros(below) | 1u << PALETTE_LANES);
-}
-
-/* Give this entry to the uniform tiles [first, end). */
-static void place_run(const node_builder *b, block *out, int first, int end, int32_t entry)
-{
-    for (int n = first; n < end; n++)
-        if (b->tile[n].kind == TILE_UNIFORM) out->tile[n].palette = (uint16_t)entry;
+    uint8_t   low[BLOCK_TILES], high[BLOCK_TILES];
+    run_range run  = {0, PALETTE_MAX};
+    uint32_t  rest = b->of_kind[TILE_UNIFORM], placed = rest;
+    points_of_ranges(b->tile_low, b->tile_high, BLOCK_TILES, codes, count, low, high);
+    for (;; rest &= rest - 1) {
+        int n = rest ? __builtin_ctz(rest) : BLOCK_TILES;
+        if (rest && run_takes(&run, low[n], high[n])) continue;
+        for (; placed & ((1u << n) - 1); placed &= placed - 1) out->tile[__builtin_ctz(placed)].palette = (uint16_t)run.low;
+        if (!rest) return;
+        run = (run_range){low[n], high[n]};
+    }
 }
 
 /* Find the tiles on a common plane; the following steps skip them.
- * p  [out] the plane, in voxels of the map
- * Returns the bits of those tiles. */
-static uint32_t find_plane(node_builder *b, plane *p)
+ * p     [out] the plane, in voxels of the map
+ * flat  [out] bits of tiles that may lie on a plane */
+static void find_plane(node_builder *b, plane *p, uint32_t *flat)
 {
-    plane_ranges ranges[BLOCK_TILES];
-    uint32_t     mixed = 0, flat = 0;
-    int32_t      from = INT32_MAX;
-    *p                = (plane){0, 0, 0};
-    for (uint32_t n = 0; n < BLOCK_TILES; n++)
-        if (b->tile[n].kind == TILE_PATTERN) from = min_i32(from, b->tile[n].xmin - b->tile[n].shift);
-    for (uint32_t n = 0; n < BLOCK_TILES; n++) {
-        tile_in *t = &b->tile[n];
-        if (t->kind != TILE_PATTERN) continue;
-        t->flat = tile_may_be_plane(&t->ranges);
-        if (t->emax - t->shift - from >= PLANE_FREE / PLANE_ONE) continue;
+    plane_ranges   ranges[BLOCK_TILES];
+    const uint32_t patterned = b->of_kind[TILE_PATTERN];
+    uint32_t       mixed = 0, even = 0;
+    int32_t        from = INT32_MAX;
+    *p                  = (plane){0, 0, 0};
+    for (uint32_t rest = patterned; rest; rest &= rest - 1) {
+        uint32_t n = (uint32_t)__builtin_ctz(rest);
+        from       = min_i32(from, b->tile_xmin[n] - b->tile[n].shift);
+        even |= (uint32_t)tile_may_be_plane(&b->tile[n].ranges) << n;
+    }
+    *flat = even;
+    if (__builtin_popcount(even) < PLANE_TILES_MIN) return;
+    for (uint32_t rest = patterned; rest; rest &= rest - 1) {
+        uint32_t n = (uint32_t)__builtin_ctz(rest);
+        if (b->tile_emax[n] - b->tile[n].shift - from >= PLANE_FREE / PLANE_ONE) continue;
         mixed |= 1u << n;
-        flat |= (uint32_t)t->flat << n;
-    }
-    if (__builtin_popcount(flat) < PLANE_TILES_MIN) return 0;
-    for (uint32_t rest = mixed; rest; rest &= rest - 1) {
-        int n = __builtin_ctz(rest);
         plane_ranges_of(&ranges[n], &b->tile[n].ranges, from + b->tile[n].shift);
-        ranges[n].x = 8 * (n % 4);
-        ranges[n].y = 8 * (n / 4);
+        ranges[n].x = 8 * (int32_t)(n % 4);
+        ranges[n].y = 8 * (int32_t)(n / 4);
     }
-    uint32_t on = plane_of_block(p, ranges, mixed, flat, b->set->recent);
+    if (__builtin_popcount(even & mixed) < PLANE_TILES_MIN) return;
+    uint32_t on = plane_of_block(p, ranges, mixed, even & mixed, b->set->recent);
     if (on) p->least += from * PLANE_ONE;
     if (p->least < PLANE_LEAST || p->least > PLANE_MOST) on = 0;
     if (!on) *p = (plane){0, 0, 0};
-    for (uint32_t n = 0; n < BLOCK_TILES; n++)
-        if (on >> n & 1) b->tile[n].kind = TILE_PLANE;
+    set_kind(b, on, TILE_PLANE);
     b->set->tile_count += (uint32_t)__builtin_popcount(on);
-    return on;
 }
 
 /* A depth in this range that a block has which is beside the current one; -1: none. */
@@ -292,7 +332,7 @@ static int32_t depth_beside(const node_builder *b, int32_t low, int32_t high)
 
 /* Build the palette for the tiles that are not on the plane.
  * codes  [out] codes of its depths;   Returns the first depth. */
-static int32_t build_palette(node_builder *b, block *out, int16_t codes[PALETTE_MAX])
+static int32_t build_palette(node_builder *b, block *out, int16_t codes[PALETTE_LANES])
 {
     stab_group groups[PALETTE_MAX + 1];
     scale_block(b);
@@ -312,68 +352,66 @@ static int32_t build_palette(node_builder *b, block *out, int16_t codes[PALETTE_
     }
 
     if (met >= 0) out->depth[count - 1] = met - base;
-    for (int n = 0; n < count; n++) codes[n] = axis_code(&b->axis, base + out->depth[n]);
-
-    /* Choose entries of uniform tiles: the same as the tiles before, where possible. */
-    int32_t   depths[PALETTE_LANES];
-    run_range run   = {0, PALETTE_MAX};
-    int       first = 0;
-    for (uint32_t n = 0; n < PALETTE_LANES; n++) depths[n] = n < out->depths ? base + out->depth[n] : INT32_MAX;
-    for (int n = 0; n < BLOCK_TILES; n++) {
-        const tile_in *t = &b->tile[n];
-        if (t->kind != TILE_UNIFORM) continue;
-        run_range may = {count_below(depths, t->emax), count_below(depths, t->xmin + 1) - 1};
-        if (run_takes(&run, may.low, may.high)) continue;
-        place_run(b, out, first, n, run.low);
-        run   = may;
-        first = n;
-    }
-    place_run(b, out, first, BLOCK_TILES, run.low);
-
+    int32_t depths[PALETTE_LANES] = {0};
+    for (int n = 0; n < count; n++) depths[n] = base + out->depth[n];
+    axis_codes(&b->axis, depths, codes, PALETTE_LANES);
+    place_uniform(b, out, codes, count);
     return base;
+}
+
+/* Find or add the pattern of each tile. */
+static vxs_result find_patterns(node_builder *b, block *out, int32_t base, const int16_t *codes)
+{
+    for (uint32_t rest = b->of_kind[TILE_PATTERN] | b->of_kind[TILE_PRIVATE]; rest; rest &= rest - 1) {
+        const tile_in *t  = &b->tile[__builtin_ctz(rest)];
+        block_tile    *to = &out->tile[__builtin_ctz(rest)];
+        vxs_result     r;
+        if (b->of_kind[TILE_PRIVATE] & rest & -rest) {
+            to->kind = TILE_PRIVATE;
+            r        = private_find(&b->set->privates, &t->ranges, &t->plane, &to->pattern, &to->base);
+            to->base -= base;
+        } else {
+            mask_need needs[PALETTE_MAX - 1];
+            to->kind    = TILE_PATTERN;
+            to->palette = (uint16_t)tile_needs(t->low, t->high, codes, (int)out->depths, needs, b->set->patterns.cpu);
+            r           = pattern_find(&b->set->patterns, __builtin_popcount(to->palette), needs, &to->pattern);
+        }
+        if (r != VXS_OK) return r;
+        b->set->tile_count++;
+    }
+    return VXS_OK;
 }
 
 vxs_result block_build(node_builder *b, uint32_t *id, int32_t *base)
 {
-    int16_t    codes[PALETTE_MAX];
+    int16_t    codes[PALETTE_LANES];
+    uint32_t   flat;
     block      out;
     vxs_result r = fetch_block(b, b->number % 8, b->number / 8);
     if (r != VXS_OK) return r;
     memset(&out, 0, sizeof out);
-    uint32_t on = find_plane(b, &out.plane);
+    find_plane(b, &out.plane, &flat);
 
     /* Give tiles that lie on planes of their own these planes: three halves each, at any depth. */
-    for (tile_in *t = b->tile; t < b->tile + BLOCK_TILES; t++) {
+    const uint32_t on = b->of_kind[TILE_PLANE];
+    for (uint32_t rest = b->of_kind[TILE_PATTERN]; rest; rest &= rest - 1) {
+        tile_in *t     = &b->tile[__builtin_ctz(rest)];
         t->plane.count = 0;
-        if (t->kind != TILE_PATTERN || !t->flat) continue;
+        if (!(flat & rest & -rest)) continue;
         private_plane(&t->plane, &t->ranges);
-        if (t->plane.count) t->kind = TILE_PRIVATE;
+        if (t->plane.count) set_kind(b, rest & -rest, TILE_PRIVATE);
     }
 
-    if (on == 0xffff) {
+    if (on == ALL_TILES) {
         out.depths = 1;
         *base      = max_i32(out.plane.least >> 8, 0);
     } else
         *base = build_palette(b, &out, codes);
+    for (uint32_t rest = on; rest; rest &= rest - 1) out.tile[__builtin_ctz(rest)].kind = TILE_PLANE;
     if (on) out.plane.least -= *base * PLANE_ONE;
     block_depths *chosen = &b->chosen[b->number];
     chosen->count        = out.depths;
     for (uint32_t n = 0; n < out.depths; n++) chosen->depth[n] = *base + out.depth[n];
-    int count = (int)out.depths;
-    for (int n = 0; n < BLOCK_TILES && r == VXS_OK; n++) {
-        const tile_in *t  = &b->tile[n];
-        block_tile    *to = &out.tile[n];
-        to->kind          = (uint16_t)t->kind;
-        if (t->kind == TILE_UNIFORM || t->kind == TILE_PLANE) continue;
-        b->set->tile_count++;
-        if (t->kind == TILE_PRIVATE) {
-            r = private_find(&b->set->privates, &t->ranges, &t->plane, &to->pattern, &to->base);
-            to->base -= *base;
-            continue;
-        }
-        mask_need needs[PALETTE_MAX - 1];
-        to->palette = (uint16_t)tile_needs(t->low, t->high, codes, count, needs, b->set->patterns.cpu);
-        r           = pattern_find(&b->set->patterns, __builtin_popcount(to->palette), needs, &to->pattern);
-    }
+    r = find_patterns(b, &out, *base, codes);
     return r == VXS_OK ? block_set_find(b->set, &out, id) : r;
 }

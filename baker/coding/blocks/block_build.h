@@ -11,16 +11,13 @@ enum {
     NODE_TILE_COUNT = NODE_TILES * NODE_TILES,
 };
 
-/* A tile of the current block, with the slope added. */
+/* A tile of the current block that is not uniform, with the slope added. */
 typedef struct tile_in {
-    tile_ranges    ranges;            /* of texels, in the order of patterns.h; unless the tile is uniform */
+    tile_ranges    ranges;            /* of texels, in the order of patterns.h */
     int16_t        low[64], high[64]; /* the same as codes of the block's depth axis */
-    int32_t        emax, xmin;        /* over all texels */
-    tile_kind      kind;
-    int32_t        shift;  /* depth that the slope added */
-    int            flat;   /* 1: it may lie on a plane */
-    int            depths; /* number of depths that it needs, up to PRIVATE_FROM; 0: not counted */
-    private_planes plane;  /* a plane through this tile alone */
+    int32_t        shift;             /* depth that the slope added */
+    int            depths;            /* number of depths that it needs, up to PRIVATE_FROM; 0: not counted */
+    private_planes plane;             /* a plane through this tile alone */
 } tile_in;
 
 /* Depths of a block; none: they are not chosen yet. */
@@ -42,11 +39,16 @@ typedef struct node_builder {
     column_bounds        bounds[NODE_BLOCKS]; /* of the columns of each block */
     run_range            may[NODE_BLOCKS];    /* depths that it may have as its single depth; low > high: it has none */
     int32_t      emax[NODE_TILE_COUNT], xmin[NODE_TILE_COUNT]; /* of tiles of mixed blocks; with the slope after add_slope */
-    tile_in      tile[BLOCK_TILES];                            /* of the current block */
-    uint32_t     number;                                       /* of the current block */
     block_depths chosen[NODE_BLOCKS];
     int          fine; /* whether pages will be of VXS_PACKING_FINE */
-    depth_axis   axis;
+
+    /* the current block */
+    uint32_t   number;
+    uint32_t   of_kind[TILE_KINDS];                            /* bits of its tiles of each kind */
+    int32_t    tile_emax[BLOCK_TILES], tile_xmin[BLOCK_TILES]; /* over all texels of a tile, with the slope added */
+    int16_t    tile_low[BLOCK_TILES], tile_high[BLOCK_TILES];  /* the same as codes */
+    tile_in    tile[BLOCK_TILES];
+    depth_axis axis;
 } node_builder;
 
 /* Add a square to the run if a common depth is left. */

@@ -14,7 +14,7 @@
 
 enum { BLOCK_TILES = 16 };
 
-typedef enum tile_kind { TILE_UNIFORM, TILE_PATTERN, TILE_PRIVATE, TILE_PLANE } tile_kind;
+typedef enum tile_kind { TILE_UNIFORM, TILE_PATTERN, TILE_PRIVATE, TILE_PLANE, TILE_KINDS } tile_kind;
 
 /* Unused fields are 0, so that equal tiles have equal fields. */
 typedef struct block_tile {

@@ -187,7 +187,7 @@ static uint32_t choose_depths(private_pattern *p, const tile_ranges *t, const ha
         memcpy(s.high, halves->high, sizeof halves->high);
         int count = minimum_stabbing_set(&s, groups, 64, CPU_SSE2); /* rarely called */
         for (int n = 0; n < count; n++) points[n] = groups[n].low;
-        points_of_ranges(halves->low, halves->high, points, count, low, high);
+        points_of_ranges(halves->low, halves->high, 64, points, count, low, high);
         pattern_choose_within(low, high, index);
         for (int n = 0; n < 64; n++) p->depth[n] = points[index[n]] - points[0];
         *base = halves->floor + groups[0].low;

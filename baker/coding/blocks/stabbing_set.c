@@ -108,10 +108,10 @@ int minimum_stabbing_set(intervals *s, stab_group *groups, int most, int cpu)
     }
 }
 
-void points_of_ranges(const int16_t low[64], const int16_t high[64], const int16_t *points, int count, uint8_t first[64],
-                      uint8_t last[64])
+void points_of_ranges(const int16_t *low, const int16_t *high, int ranges, const int16_t *points, int count, uint8_t *first,
+                      uint8_t *last)
 {
-    for (int n = 0; n < 64; n += 8) {
+    for (int n = 0; n < ranges; n += 8) {
         i16x8 l = i16x8_load(low + n), h = i16x8_load(high + n), from = i16x8_all(0), to = i16x8_all((int16_t)(count - 1));
         for (int point = 0; point < count; point++) {
             i16x8 at = i16x8_all(points[point]);

@@ -34,11 +34,12 @@ typedef struct stab_group {
  * Returns the number of points. */
 int minimum_stabbing_set(intervals *s, stab_group *groups, int most, int cpu);
 
-/* The points in the range of each texel of a tile.
+/* The points in each of some ranges.
+ * ranges       their number, a multiple of 8
  * points       [count] ascending, at most 127
- * first, last  [out] index of the first and the last of them */
-void points_of_ranges(const int16_t low[64], const int16_t high[64], const int16_t *points, int count, uint8_t first[64],
-                      uint8_t last[64]);
+ * first, last  [out] [ranges] index of the first and the last of them */
+void points_of_ranges(const int16_t *low, const int16_t *high, int ranges, const int16_t *points, int count, uint8_t *first,
+                      uint8_t *last);
 
 /* Maps the depths of a block to 16-bit codes, for SIMD. Depths outside of all possible choices are clamped. If the depths of a
  * block span more than 16 bits, only the depths that occur have codes, and the gaps between them. */
