@@ -343,7 +343,12 @@ int plane_fit_pair(plane pair[2], uint64_t *second, const plane_ranges *t)
 
 /* blocks ---------------------------------------------------------------------------------------------------------------------- */
 
-enum { BLOCK_PX = 32, SEEDS = 3 };
+enum {
+    BLOCK_PX    = 32,
+    SEEDS       = 3,
+    BLOCK_ZEROS = 2,            /* low bits of slopes that may be rounded to zero */
+    BLOCK_ROOM  = PLANE_ONE / 2 /* room that is left then */
+};
 
 static uint32_t fit_tiles(plane *p, const plane_ranges tiles[16], uint32_t on)
 {
@@ -428,6 +433,19 @@ static uint32_t tiles_about(plane *p, const plane_ranges tiles[16], uint32_t mix
     return most;
 }
 
+/* Give a plane rounder slopes, unless they leave it little room: it is then the same in more blocks. */
+static void round_for_block(plane *p, const plane_ranges tiles[16], uint32_t on)
+{
+    for (int zeros = BLOCK_ZEROS; zeros > plane_shift(p); zeros--) {
+        plane      next = rounded(p, zeros);
+        plane_room room;
+        if (!tiles_on_slopes(&next, tiles, on, __builtin_popcount(on) - 1, &room) || size_of(&room) < BLOCK_ROOM) continue;
+        place(&next, &room, BLOCK_PX);
+        *p = next;
+        return;
+    }
+}
+
 static void remember(plane recent[PLANES_RECENT], plane p)
 {
     int n = 0;
@@ -447,7 +465,7 @@ uint32_t plane_of_block(plane *p, const plane_ranges tiles[16], uint32_t mixed, 
         *p   = recent[n];
         place(p, &room, BLOCK_PX);
     }
-    for (int seeds = 0; seeds < SEEDS && 2 * __builtin_popcount(best) < __builtin_popcount(mixed); seeds++) {
+    for (int seeds = 0; seeds < SEEDS && best != mixed; seeds++) {
         plane    next;
         uint32_t left = mixed & ~tried & ~best;
         if (!left) break;
@@ -457,6 +475,7 @@ uint32_t plane_of_block(plane *p, const plane_ranges tiles[16], uint32_t mixed, 
         if (__builtin_popcount(on) <= __builtin_popcount(best)) continue;
         best = on;
         *p   = next;
+        round_for_block(p, tiles, on);
     }
     if (__builtin_popcount(best) < PLANE_TILES_MIN) return 0;
     remember(recent, *p);
