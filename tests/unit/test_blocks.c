@@ -800,12 +800,14 @@ static void packed_blocks(void **state)
         block_head head;
         uint32_t   patterns[BLOCK_TILES], count = 0;
         memset(&b, 0, sizeof b);
-        b.depths = 1 + rng_below(&r, PALETTE_MAX);
-        for (uint32_t k = 1; k < b.depths; k++) b.depth[k] = b.depth[k - 1] + 1 + (int32_t)rng_below(&r, 1 << 18);
+        b.depths            = 1 + rng_below(&r, PALETTE_MAX);
+        const uint32_t most = 1u << rng_below(&r, 17), shift = rng_below(&r, 3);
+        for (uint32_t k = 1; k < b.depths; k++) b.depth[k] = b.depth[k - 1] + (int32_t)((1 + rng_below(&r, most)) << shift);
         if (rng_below(&r, 3) == 0) b.plane = (plane){(int32_t)rng_below(&r, 9) - 4, 0, (int32_t)rng_below(&r, 3) - 1};
         for (block_tile *t = b.tile; t < b.tile + BLOCK_TILES; t++) {
             t->kind = (uint16_t)rng_below(&r, 4);
-            if (t->kind == TILE_UNIFORM || t->kind == TILE_PATTERN) t->palette = (uint16_t)rng_below(&r, 1 << 14);
+            if (t->kind == TILE_UNIFORM) t->palette = (uint16_t)rng_below(&r, b.depths);
+            if (t->kind == TILE_PATTERN) t->palette = (uint16_t)rng_below(&r, 1 << 14);
             if (tile_has_pattern(t)) t->pattern = rng_below(&r, 1 << 30);
             if (t->kind == TILE_PRIVATE) t->base = (int32_t)rng_below(&r, 5) - 2;
         }

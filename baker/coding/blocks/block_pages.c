@@ -10,6 +10,7 @@
 #include "baker/base/run_control.h"
 #include "baker/coding/blocks/blocks.h"
 #include "baker/coding/blocks/patterns.h"
+#include "formats/vxs_bytes.h"
 
 enum {
     NODE_HALVES = 11, /* halves before the arrays of a node */
@@ -52,32 +53,23 @@ uint32_t layout_node_words(const node_shape *s)
 
 /* blocks ---------------------------------------------------------------------------------------------------------------------- */
 
-/* Sizes and kinds of a block's parts. */
-typedef struct block_form {
-    uint32_t mixed, own, plane, fresh; /* bit masks of tiles */
-    uint32_t width, shift, far;        /* of deltas: 0 bytes, 1 halves, 2 words */
-    uint32_t words;
-} block_form;
-
-static block_form form_of(const block_lists *b)
+/* Whether a base of a private palette does not fit into the word of its tile. */
+static int is_far(const block_parts *b)
 {
-    const block_head *h    = &b->head;
-    block_form        f    = {.mixed = h->patterned, .own = h->own, .plane = h->planar};
-    uint32_t          bits = 0, last = NEVER, greatest = (uint32_t)b->depth[h->depths - 1];
-    const uint32_t    uniform = ~(f.mixed | f.plane) & 0xffff, owns = (uint32_t)__builtin_popcount(f.own);
-    for (uint32_t n = 1; n < h->depths; n++) bits |= (uint32_t)b->depth[n];
-    f.shift = common_shift(bits);
-    f.width = greatest >> f.shift <= 0xff ? 0 : greatest >> f.shift <= 0xffff ? 1 : 2;
-    if (f.width == 2) f.shift = 0;
-    for (uint32_t n = 0; n < owns; n++) f.far |= b->base[n] < -FAR_BASE || b->base[n] >= FAR_BASE;
-    for (uint32_t rest = uniform; rest; rest &= rest - 1) {
-        const uint32_t palette = b->palette[__builtin_ctz(rest)];
-        if (palette != last) f.fresh |= rest & -rest;
-        last = palette;
+    int far = 0;
+    for (uint32_t n = 0; n < b->head.owns; n++) {
+        int32_t base;
+        memcpy(&base, b->base + 4 * n, sizeof base);
+        far |= base < -FAR_BASE || base >= FAR_BASE;
     }
-    uint32_t bytes = ((h->depths - 1u) << f.width) + ((uint32_t)__builtin_popcount(f.fresh) + 1) / 2;
-    f.words        = 2 + (f.plane ? PLANE_WORDS : 0) + (uint32_t)__builtin_popcount(f.mixed) + (bytes + 3) / 4 + (f.far ? owns : 0);
-    return f;
+    return far;
+}
+
+/* Words of a block without its patterns. */
+static uint32_t words_of(const block_parts *b)
+{
+    const block_head *h = &b->head;
+    return 2 + (h->planar ? PLANE_WORDS : 0) + h->patterns + h->tail_words + (is_far(b) ? h->owns : 0);
 }
 
 static void measure_some_blocks(void *user, size_t begin, size_t end, uint32_t worker)
@@ -85,10 +77,10 @@ static void measure_some_blocks(void *user, size_t begin, size_t end, uint32_t w
     const layout *l = user;
     (void)worker;
     for (size_t n = begin; n < end; n++) {
-        block_lists b;
-        block_read(&b, intern_at(&l->set->blocks, (uint32_t)n));
-        l->block_words[n] = (uint16_t)form_of(&b).words;
-        block_renumber(intern_at(&l->set->blocks, (uint32_t)n), l->code_of[0], l->code_of[1], NULL);
+        uint8_t          *bytes = intern_at(&l->set->blocks, (uint32_t)n);
+        const block_parts b     = block_parts_of(bytes);
+        l->block_words[n]       = (uint16_t)words_of(&b);
+        block_renumber(bytes, l->code_of[0], l->code_of[1], NULL);
     }
 }
 
@@ -346,11 +338,6 @@ static void put_wide(half_writer *w, uint32_t value, int wide)
     if (wide) put_half(w, value >> 16);
 }
 
-static void put_bytes(uint32_t *words, uint32_t at, uint32_t value, uint32_t count)
-{
-    for (uint32_t n = 0; n < count; n++, at++) words[at / 4] |= (value >> 8 * n & 0xff) << 8 * (at & 3);
-}
-
 /* Returns the number of words. */
 static uint32_t write_node(const page_place_of *block_at, uint32_t *to, const node_shape *s)
 {
@@ -402,35 +389,55 @@ static uint32_t pattern_ref(page_writer *w, page_sink *s, int is_private, uint32
     return s->pool + place_of(w->code[is_private][code]);
 }
 
-static void write_block(page_writer *w, page_sink *s, const block_lists *b, block_form f)
+/* The words of tiles with a pattern. */
+static uint32_t *write_tiles(page_writer *w, page_sink *s, uint32_t *to, const block_parts *b, int far)
 {
-    uint32_t *to = s->words + s->word, word = 2, byte, nibbles = 0;
-    to[0] = f.mixed | f.fresh << 16;
-    to[1] = f.own | f.plane | ((b->head.depths - 1u) | f.shift << 4 | f.width << 8 | (f.far ? BLOCK_FAR : 0)) << 16;
-    if (f.plane) {
-        int shift  = plane_shift(&b->plane);
-        to[word++] = ((uint32_t)(b->plane.across >> shift) & 0xffff) | (uint32_t)(b->plane.down >> shift) << 16;
-        to[word++] = (uint32_t)shift | (uint32_t)b->plane.least << 4;
+    const uint8_t *pattern = b->pattern, *base = b->base, *used = b->used;
+    for (uint32_t rest = b->head.patterned; rest; rest &= rest - 1, pattern += 4) {
+        const int is_private = (b->head.own & rest & -rest) != 0;
+        uint32_t  code, low = 0;
+        memcpy(&code, pattern, sizeof code);
+        if (!is_private) {
+            uint16_t entries;
+            memcpy(&entries, used, sizeof entries);
+            low = entries;
+            used += sizeof entries;
+        } else if (!far) {
+            memcpy(&low, base, sizeof low);
+            low += FAR_BASE;
+            base += sizeof low;
+        }
+        *to++ = pattern_ref(w, s, is_private, code) << 14 | low;
     }
-    for (uint32_t n = 0, own = 0, rest = f.mixed; rest; n++, rest &= rest - 1) {
-        const int      tile = __builtin_ctz(rest), is_private = f.own >> tile & 1;
-        const uint32_t ref = pattern_ref(w, s, is_private, b->pattern[n]);
-        uint32_t       low = b->palette[tile];
-        if (is_private) low = f.far ? 0 : (uint32_t)(b->base[own++] + FAR_BASE);
-        to[word++] = ref << 14 | low;
+    return to;
+}
+
+static void write_block(page_writer *w, page_sink *s, const block_parts *b)
+{
+    const block_head *h    = &b->head;
+    const int         far  = is_far(b);
+    uint32_t         *from = s->words + s->word, *to = from + 2;
+    from[0] = h->patterned | (uint32_t)h->fresh << 16;
+    from[1] = h->own | h->planar | (uint32_t)((h->depths - 1) | h->shift << 4 | h->width << 8 | (far ? (int)BLOCK_FAR : 0)) << 16;
+    if (h->planar) {
+        plane p = {0};
+        if (h->has_plane) memcpy(&p, b->plane, sizeof p);
+        const int shift = plane_shift(&p);
+        *to++           = ((uint32_t)(p.across >> shift) & 0xffff) | (uint32_t)(p.down >> shift) << 16;
+        *to++           = (uint32_t)shift | (uint32_t)p.least << 4;
     }
-    byte = 4 * word;
-    for (uint32_t n = 1; n < b->head.depths; n++, byte += 1u << f.width)
-        put_bytes(to, byte, (uint32_t)b->depth[n] >> f.shift, 1u << f.width);
-    for (uint32_t rest = f.fresh; rest; rest &= rest - 1, nibbles++)
-        put_bytes(to, byte + nibbles / 2, (uint32_t)b->palette[__builtin_ctz(rest)] << 4 * (nibbles & 1), 1);
-    word = (byte + (nibbles + 1) / 2 + 3) / 4;
-    if (f.far) memcpy(to + word, b->base, (size_t)__builtin_popcount(f.own) * sizeof *to);
-    s->word += f.words;
+    to = write_tiles(w, s, to, b, far);
+    for (uint32_t n = 0; n < h->tail_words; n++) *to++ = vxs_load32(b->tail + 4 * n);
+    if (far) {
+        memcpy(to, b->base, h->owns * sizeof *to);
+        to += h->owns;
+    }
+    const uint32_t words = (uint32_t)(to - from);
+    s->word += words;
     w->counts.blocks++;
-    w->counts.block_words += f.words;
-    w->counts.tiles += (uint32_t)__builtin_popcount(f.mixed);
-    w->counts.private_tiles += (uint32_t)__builtin_popcount(f.own);
+    w->counts.block_words += words;
+    w->counts.tiles += h->patterns;
+    w->counts.private_tiles += h->owns;
 }
 
 /* Write a node that is new in the page, and behind it its blocks that are. */
@@ -451,9 +458,8 @@ static void write_record(page_writer *w, page_sink *s, const node_place *place)
     w->counts.nodes++;
     w->counts.node_words += place->words;
     for (; fresh; fresh &= fresh - 1) {
-        block_lists of;
-        block_read(&of, intern_at(&l->set->blocks, shape.block[__builtin_ctzll(fresh)]));
-        write_block(w, s, &of, form_of(&of));
+        const block_parts b = block_parts_of(intern_at(&l->set->blocks, shape.block[__builtin_ctzll(fresh)]));
+        write_block(w, s, &b);
     }
 }
 

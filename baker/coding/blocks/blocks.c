@@ -7,6 +7,7 @@
 
 #include "baker/base/array.h"
 #include "baker/base/run_control.h"
+#include "formats/vxs_bytes.h"
 
 static uint8_t *put(uint8_t *to, const void *from, size_t size_bytes)
 {
@@ -20,59 +21,96 @@ static const uint8_t *take(void *to, const uint8_t *from, size_t size_bytes)
     return from + size_bytes;
 }
 
-size_t block_pack(const block *b, uint8_t bytes[BLOCK_PACKED_MAX])
+/* The fewest bytes for deltas: without the zero bits that all of them end in. */
+static void choose_width(block_head *h, const block *b)
 {
-    block_head h = {.depths = (uint8_t)b->depths, .has_plane = b->plane.across || b->plane.down || b->plane.least};
+    uint32_t       bits     = 0;
+    const uint32_t greatest = (uint32_t)b->depth[b->depths - 1];
+    for (uint32_t n = 1; n < b->depths; n++) bits |= (uint32_t)b->depth[n];
+    h->shift = (uint8_t)common_shift(bits);
+    h->width = greatest >> h->shift <= 0xff ? 0 : greatest >> h->shift <= 0xffff ? 1 : 2;
+    if (h->width == 2) h->shift = 0;
+}
+
+/* Which tiles have which fields.   entries  [out] of fresh tiles, a nibble each. Returns their number */
+static uint32_t head_of(block_head *h, const block *b, uint64_t *entries)
+{
+    uint32_t fresh = 0, last = PALETTE_MAX;
     for (uint32_t n = 0; n < BLOCK_TILES; n++) {
         const block_tile *t = &b->tile[n];
-        h.patterned |= (uint16_t)(tile_has_pattern(t) << n);
-        h.own |= (uint16_t)((t->kind == TILE_PRIVATE) << n);
-        h.planar |= (uint16_t)((t->kind == TILE_PLANE) << n);
-        h.palette |= (uint16_t)((t->palette != 0) << n);
+        h->patterned |= (uint16_t)(tile_has_pattern(t) << n);
+        h->own |= (uint16_t)((t->kind == TILE_PRIVATE) << n);
+        h->planar |= (uint16_t)((t->kind == TILE_PLANE) << n);
+        h->patterns += (uint8_t)tile_has_pattern(t);
+        h->owns += t->kind == TILE_PRIVATE;
+        if (t->kind != TILE_UNIFORM || t->palette == last) continue;
+        last = t->palette;
+        h->fresh |= (uint16_t)(1u << n);
+        *entries |= (uint64_t)last << 4 * fresh++;
     }
+    return fresh;
+}
+
+size_t block_pack(const block *b, uint8_t bytes[BLOCK_PACKED_MAX])
+{
+    block_head     h       = {.depths = (uint8_t)b->depths, .has_plane = b->plane.across || b->plane.down || b->plane.least};
+    uint64_t       entries = 0;
+    const uint32_t fresh   = head_of(&h, b, &entries);
+    choose_width(&h, b);
+    const size_t tail = ((b->depths - 1) << h.width) + (fresh + 1) / 2, spare = -tail & 3;
+    h.tail_words = (uint8_t)((tail + spare) / 4);
+
     uint8_t *to = put(bytes, &h, sizeof h);
     for (uint32_t rest = h.patterned; rest; rest &= rest - 1) to = put(to, &b->tile[__builtin_ctz(rest)].pattern, 4);
     for (uint32_t rest = h.own; rest; rest &= rest - 1) to = put(to, &b->tile[__builtin_ctz(rest)].base, 4);
-    for (uint32_t rest = h.palette; rest; rest &= rest - 1) to = put(to, &b->tile[__builtin_ctz(rest)].palette, 2);
-    to = put(to, b->depth + 1, (b->depths - 1) * sizeof *b->depth);
     if (h.has_plane) to = put(to, &b->plane, sizeof b->plane);
-    const size_t size_bytes = (size_t)(to - bytes), spare = -size_bytes & 7;
-    memset(to, 0, spare);
-    return size_bytes + spare;
+    for (uint32_t rest = h.patterned & ~h.own; rest; rest &= rest - 1) to = put(to, &b->tile[__builtin_ctz(rest)].palette, 2);
+    for (uint32_t n = 1; n < b->depths; n++, to += 1u << h.width) vxs_store32(to, (uint32_t)b->depth[n] >> h.shift);
+    vxs_store64(to, entries);
+    to += (fresh + 1) / 2;
+    memset(to, 0, 3 + 7);
+    to += spare;
+    return (size_t)(to - bytes + 7) & ~(size_t)7;
 }
 
-void block_read(block_lists *b, const uint8_t *bytes)
+block_parts block_parts_of(const uint8_t *bytes)
 {
-    uint16_t       palette[BLOCK_TILES];
-    const uint8_t *from = take(&b->head, bytes, sizeof b->head);
-    from                = take(b->pattern, from, (size_t)__builtin_popcount(b->head.patterned) * sizeof *b->pattern);
-    from                = take(b->base, from, (size_t)__builtin_popcount(b->head.own) * sizeof *b->base);
-    from                = take(palette, from, (size_t)__builtin_popcount(b->head.palette) * sizeof *palette);
-    b->depth[0]         = 0;
-    from                = take(b->depth + 1, from, (b->head.depths - 1u) * sizeof *b->depth);
-    memset(&b->plane, 0, sizeof b->plane);
-    if (b->head.has_plane) take(&b->plane, from, sizeof b->plane);
-    memset(b->palette, 0, sizeof b->palette);
-    for (uint32_t n = 0, rest = b->head.palette; rest; rest &= rest - 1) b->palette[__builtin_ctz(rest)] = palette[n++];
+    block_parts p;
+    p.pattern = take(&p.head, bytes, sizeof p.head);
+    p.base    = p.pattern + 4 * p.head.patterns;
+    p.plane   = p.base + 4 * p.head.owns;
+    p.used    = p.plane + (p.head.has_plane ? sizeof(plane) : 0);
+    p.tail    = p.used + 2 * (p.head.patterns - p.head.owns);
+    return p;
 }
 
 void block_unpack(block *b, const uint8_t *bytes)
 {
-    block_lists       l;
-    const block_head *h = &l.head;
-    block_read(&l, bytes);
+    block_parts       p = block_parts_of(bytes);
+    const block_head *h = &p.head;
     memset(b, 0, sizeof *b);
     b->depths = h->depths;
-    memcpy(b->depth, l.depth, h->depths * sizeof *b->depth);
-    b->plane = l.plane;
-    for (uint32_t n = 0, pattern = 0, base = 0; n < BLOCK_TILES; n++) {
+    if (h->has_plane) take(&b->plane, p.plane, sizeof b->plane);
+    for (uint32_t n = 1; n < b->depths; n++) {
+        uint32_t delta = 0;
+        for (uint32_t k = 0; k < 1u << h->width; k++) delta |= (uint32_t)*p.tail++ << 8 * k;
+        b->depth[n] = (int32_t)(delta << h->shift);
+    }
+    for (uint32_t n = 0, fresh = 0, last = 0; n < BLOCK_TILES; n++) {
         block_tile *t = &b->tile[n];
-        t->palette    = l.palette[n];
-        if (h->planar >> n & 1) t->kind = TILE_PLANE;
-        if (!(h->patterned >> n & 1)) continue;
-        t->kind    = h->own >> n & 1 ? TILE_PRIVATE : TILE_PATTERN;
-        t->pattern = l.pattern[pattern++];
-        if (t->kind == TILE_PRIVATE) t->base = l.base[base++];
+        if (h->planar >> n & 1) {
+            t->kind = TILE_PLANE;
+        } else if (!(h->patterned >> n & 1)) {
+            if (h->fresh >> n & 1) last = p.tail[fresh / 2] >> 4 * (fresh & 1) & 15, fresh++;
+            t->palette = (uint16_t)last;
+        } else {
+            t->kind   = h->own >> n & 1 ? TILE_PRIVATE : TILE_PATTERN;
+            p.pattern = take(&t->pattern, p.pattern, 4);
+            if (t->kind == TILE_PRIVATE)
+                p.base = take(&t->base, p.base, 4);
+            else
+                p.used = take(&t->palette, p.used, 2);
+        }
     }
 }
 
@@ -81,7 +119,7 @@ void block_renumber(uint8_t *bytes, const uint32_t *shared, const uint32_t *priv
     block_head head;
     uint8_t   *pattern = bytes + sizeof head, *base;
     memcpy(&head, bytes, sizeof head);
-    base = pattern + 4 * __builtin_popcount(head.patterned);
+    base = pattern + 4 * head.patterns;
     for (uint32_t rest = head.patterned; rest; rest &= rest - 1, pattern += 4) {
         uint32_t was;
         int32_t  depth;
@@ -99,10 +137,9 @@ void block_renumber(uint8_t *bytes, const uint32_t *shared, const uint32_t *priv
 
 int block_patterns(const uint8_t *bytes, block_head *head, uint32_t patterns[BLOCK_TILES])
 {
-    const uint8_t *from  = take(head, bytes, sizeof *head);
-    const int      count = __builtin_popcount(head->patterned);
-    memcpy(patterns, from, (size_t)count * sizeof *patterns);
-    return count;
+    const uint8_t *from = take(head, bytes, sizeof *head);
+    memcpy(patterns, from, head->patterns * sizeof *patterns);
+    return head->patterns;
 }
 
 enum { BETWEEN_PASSES = 64 };

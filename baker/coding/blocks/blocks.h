@@ -36,36 +36,37 @@ typedef struct block {
     block_tile tile[BLOCK_TILES];  /* rows */
 } block;
 
-/* Packed blocks in a set, a third of their size: fields that are 0 are left out. Equal blocks have equal bytes. This form is never
- * written to the asset.
+/* Packed blocks in a set, a fifth of their size: nearly as a page has them (formats/vxs.md 13.2), but for the names of patterns, and for
+ * bases, which change when sets are merged. Equal blocks have equal bytes. This form is never written to the asset.
  *
  *     head       which tiles have which fields
  *     patterns   of tiles that have one, 4 bytes each
- *     the rest   bases of private palettes, palette entries, all depths except the first (which is 0), the plane */
+ *     bases      of private palettes, 4 bytes each
+ *     plane      if there is one
+ *     used       palette entries of the other tiles with a pattern, 2 bytes each
+ *     tail       deltas of depths, the entries of fresh tiles; padded to words */
 
 enum { BLOCK_PACKED_MAX = sizeof(block) };
 
 /* Bit n of a mask is tile n. */
 typedef struct block_head {
     uint16_t patterned, own, planar; /* tiles with a pattern; those with a private palette; tiles on the plane */
-    uint16_t palette;                /* tiles whose field `palette` is not 0 */
-    uint8_t  depths, has_plane;
+    uint16_t fresh;                  /* tiles of a single depth whose entry is not that of the one before */
+    uint8_t  depths, has_plane, shift, width;
+    uint8_t  patterns, owns; /* number of tiles in these masks */
+    uint8_t  tail_words;
 } block_head;
 
 /* Returns the number of bytes, padded with zeros to a multiple of 8. */
 size_t block_pack(const block *b, uint8_t bytes[BLOCK_PACKED_MAX]);
 
-/* A packed block as it is stored, in lists. */
-typedef struct block_lists {
-    block_head head;
-    uint32_t   pattern[BLOCK_TILES]; /* of tiles in head.patterned, in their order */
-    int32_t    base[BLOCK_TILES];    /* of tiles in head.own, in their order */
-    uint16_t   palette[BLOCK_TILES]; /* of each tile */
-    int32_t    depth[PALETTE_MAX];   /* [head.depths] */
-    plane      plane;                /* 0 without head.has_plane */
-} block_lists;
+/* Where the parts of a packed block are. */
+typedef struct block_parts {
+    block_head     head;
+    const uint8_t *pattern, *base, *plane, *used, *tail;
+} block_parts;
 
-void block_read(block_lists *b, const uint8_t *bytes);
+block_parts block_parts_of(const uint8_t *bytes);
 
 void block_unpack(block *b, const uint8_t *bytes);
 
