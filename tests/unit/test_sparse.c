@@ -504,10 +504,7 @@ static void long_edges_end_where_short_ones_do(void **state)
     }
     assert_true(partly > rounds / 10);
     free(l.lo);
-    free(scratch.faces);
-    free(scratch.hits);
-    free(scratch.depths);
-    free(scratch.backs);
+    free(scratch.room);
 }
 
 static void assert_same_list(const square_list *a, const square_list *b)
@@ -640,10 +637,7 @@ static void assert_column(const sample *b, const vxs_light *light, const ways *w
     }
     free(ids);
     free(list.lo);
-    free(scratch.faces);
-    free(scratch.hits);
-    free(scratch.depths);
-    free(scratch.backs);
+    free(scratch.room);
     sparse_triangles_free(&s);
     projection_free(&p);
 }

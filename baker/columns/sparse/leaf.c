@@ -404,8 +404,13 @@ static f64s later_exits(const leaf *f, int first, f64s exits)
 
 /* the tile -------------------------------------------------------------------------------------------------------------------- */
 
+/* The depths that part lit from shadowed, in LANES texels. */
+typedef struct parting {
+    f64s enter_most, exit_least;
+} parting;
+
 /* Compute LANES columns from `first` on. */
-static void find_columns(leaf *f, int first)
+static void find_columns(leaf *f, int first, parting *p)
 {
     const f64s e    = first_of(f, first);
     const i64s open = (i64s)(e < f64s_load(f->sheet.layers[0] + first));
@@ -414,14 +419,17 @@ static void find_columns(leaf *f, int first)
     if (dont_care_needs_next(&f->d->dont_care)) x = later_exits(f, first, x);
     f64s_store(f->e + first, e);
     f64s_store(f->x + first, x);
+    p->enter_most = f64s_max(p->enter_most, e);
+    p->exit_least = f64s_min(p->exit_least, x);
 }
 
 PORTABLE_LOG(depth_logs, f64s, u64s)
 
-/* Round depths to voxels: down, or up for exit depths. */
-static void round_depths(depth_scale s, const double depths[64], int up, uint32_t voxels[64])
+/* Round depths to voxels: down, or up for exit depths.   least, most  [out] of the voxels */
+static void round_depths(depth_scale s, const double depths[64], int up, uint32_t voxels[64], uint32_t *least, uint32_t *most)
 {
     const f64s far = f64s_all(depth_none(s)), near = f64s_all(depth_none(s) - 1), depth_vx = f64s_all(s.depth_vx);
+    f64s       low = f64s_all(INFINITY), high = f64s_all(0);
     for (int n = 0; n < 64; n += LANES) {
         f64s z = f64s_min(f64s_max(f64s_load(depths + n), near), far);
         /* as depth_in_voxels, bit by bit */
@@ -432,31 +440,39 @@ static void round_depths(depth_scale s, const double depths[64], int up, uint32_
         i32s down = __builtin_convertvector(z, i32s);
         if (up) down -= __builtin_convertvector((i64s)(__builtin_convertvector(down, f64s) < z), i32s);
         memcpy(voxels + n, &down, sizeof down);
+        low  = f64s_min(low, z);
+        high = f64s_max(high, z);
     }
+    *least = (uint32_t)(up ? ceil(f64s_least(low)) : f64s_least(low));
+    *most  = (uint32_t)(up ? ceil(f64s_greatest(high)) : f64s_greatest(high));
 }
 
 /* Whether one depth separates lit from shadowed in all columns; sets the bounds if so. */
-static int is_parted(const leaf *f, column_bounds *b)
+static int is_parted(depth_scale s, const parting *p, column_bounds *b)
 {
-    const depth_scale s = f->d->scale;
-    f64s              e = f64s_load(f->e), x = f64s_load(f->x);
-    for (int n = LANES; n < 64; n += LANES) {
-        e = f64s_max(e, f64s_load(f->e + n));
-        x = f64s_min(x, f64s_load(f->x + n));
-    }
-    b->emin = b->emax = depth_down(s, depth_clamped(s, f64s_greatest(e)));
-    b->xmin = b->xmax = depth_up(s, depth_clamped(s, f64s_least(x)));
+    b->emin = b->emax = depth_down(s, depth_clamped(s, f64s_greatest(p->enter_most)));
+    b->xmin = b->xmax = depth_up(s, depth_clamped(s, f64s_least(p->exit_least)));
     return b->emax <= b->xmin;
+}
+
+/* Arrays for the faces of a list. Returns 0 without memory. */
+static int make_room(leaf *f, leaf_scratch *s, size_t count)
+{
+    const size_t each = LANES_MAX * sizeof *f->depths + sizeof *f->faces + sizeof *f->hits + sizeof *f->backs;
+    if (!array_reserve(&s->room, &s->capacity, count, each)) return 0;
+    f->depths = s->room;
+    f->faces  = (leaf_face *)(f->depths + LANES * count);
+    f->hits   = (leaf_hit *)(f->faces + count);
+    f->backs  = (uint8_t *)(f->hits + count);
+    return 1;
 }
 
 int AT_LEVEL(leaf_columns)(leaf_scratch *s, const leaf_desc *d, const square_list *l, const square_bound *b, texel_square square,
                            column_tile *out, column_bounds *bounds)
 {
-    leaf f;
-    if (!array_reserve(&s->faces, &s->face_capacity, l->count, sizeof *s->faces)) return 0;
-    if (!array_reserve(&s->hits, &s->hit_capacity, l->count, sizeof *s->hits)) return 0;
-    if (!array_reserve(&s->backs, &s->back_capacity, l->count, sizeof *s->backs)) return 0;
-    if (!array_reserve(&s->depths, &s->depth_capacity, l->count * LANES, sizeof *s->depths)) return 0;
+    leaf    f;
+    parting p = {f64s_all(-INFINITY), f64s_all(INFINITY)};
+    if (!make_room(&f, s, l->count)) return 0;
     f.d     = d;
     f.bound = b;
     f.x0    = ((int64_t)(2 * square.u + 1) << d->triangles->grid) / 2;
@@ -465,17 +481,12 @@ int AT_LEVEL(leaf_columns)(leaf_scratch *s, const leaf_desc *d, const square_lis
         f.x_of[n] = (double)(f.x0 + n * px_of(&f));
         f.y_of[n] = (double)(f.y0 + n * px_of(&f));
     }
-    f.frees  = d->dont_care.behind && !b->behind;
-    f.known  = f.frees ? DBL_MAX : b->enter_most;
-    f.faces  = s->faces;
-    f.hits   = s->hits;
-    f.backs  = s->backs;
-    f.depths = s->depths;
+    f.frees = d->dont_care.behind && !b->behind;
+    f.known = f.frees ? DBL_MAX : b->enter_most;
     meet_all(&f, l);
-    for (int first = 0; first < 64; first += LANES) find_columns(&f, first);
-    if (!d->every_texel && is_parted(&f, bounds)) return 1;
-    round_depths(d->scale, f.e, 0, out->e);
-    round_depths(d->scale, f.x, 1, out->x);
-    *bounds = tile_bounds(out);
+    for (int first = 0; first < 64; first += LANES) find_columns(&f, first, &p);
+    if (!d->every_texel && is_parted(d->scale, &p, bounds)) return 1;
+    round_depths(d->scale, f.e, 0, out->e, &bounds->emin, &bounds->emax);
+    round_depths(d->scale, f.x, 1, out->x, &bounds->xmin, &bounds->xmax);
     return 1;
 }

@@ -16,13 +16,10 @@
 #include "baker/columns/columns.h"
 #include "baker/columns/sparse/square_bound.h"
 
-/* Scratch memory of one worker. Zero it; the owner frees the arrays. */
+/* Scratch memory of one worker. Zero it; the owner frees `room`. */
 typedef struct leaf_scratch {
-    struct leaf_face *faces;
-    struct leaf_hit  *hits;
-    double           *depths;
-    uint8_t          *backs;
-    size_t            face_capacity, hit_capacity, depth_capacity, back_capacity;
+    void  *room;
+    size_t capacity; /* triangles of a list */
 } leaf_scratch;
 
 typedef struct leaf_desc {

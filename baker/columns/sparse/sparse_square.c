@@ -244,10 +244,7 @@ void sparse_square_free(sparse_square *q)
         }
         free(w->list.lo);
         for (int k = 0; k < 4 * SPARSE_LEVELS_MAX; k++) free(w->quarter[k / 4][k % 4].lo);
-        free(w->leaf.faces);
-        free(w->leaf.hits);
-        free(w->leaf.depths);
-        free(w->leaf.backs);
+        free(w->leaf.room);
     }
     free(q->workers);
     free(q->levels);

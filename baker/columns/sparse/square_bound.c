@@ -277,8 +277,8 @@ typedef struct patch_items {
     int    is_whole; /* 1: one layer that covers the square */
 } patch_items;
 
-/* Depths that are known without counting, from the nearest possible exit face. Returns the number of patches; 0: a texel may have
- * met a sheet first, or may have exited before another one enters. */
+/* Depths that are known without counting, from the nearest possible exit face. They are certain if there is no such face. Returns
+ * the number of patches; 0: a texel may have met a sheet first, or may have exited before another one enters. */
 static size_t find_patches(patch_items *patches, const square_list *l, const square_bound *outer, square_parting *out)
 {
     const double known = outer->enter_most;
@@ -286,6 +286,7 @@ static size_t find_patches(patch_items *patches, const square_list *l, const squ
     size_t       count = 0;
     out->enter_most    = known;
     out->exit_least    = outer->left_out;
+    out->is_certain    = 1;
     for (size_t n = 0; n < l->count;) {
         const patch_run r     = patch_run_from(l, n);
         const int       whole = !r.ends && r.hi < known && r.sampled == 1; /* and no part of it was removed in larger squares */
@@ -294,6 +295,7 @@ static size_t find_patches(patch_items *patches, const square_list *l, const squ
         if (patch_run_is_missed(&r, known)) continue;
         if (r.sheets) sheet = least(sheet, r.lo);
         if (r.exits) out->exit_least = least(out->exit_least, r.lo);
+        out->is_certain &= !r.exits;
         patches[count++] = (patch_items){r.begin, r.end, whole};
     }
     return out->exit_least < out->enter_most || sheet <= out->enter_most ? 0 : count; /* counting could still settle it */
@@ -356,7 +358,7 @@ int square_settle(const square_list *l, const sparse_triangles *s, texel_square 
     patch_items patches[SETTLE_LIST_MAX];
     if (l->count > SETTLE_LIST_MAX) return 0;
     const size_t count = find_patches(patches, l, outer, out);
-    if (!count) return 0;
+    if (!count || out->is_certain) return count != 0;
     const lean w  = lean_of(l, s, at);
     y.front_count = 0;
     y.back_count  = 0;
