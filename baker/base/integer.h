@@ -38,9 +38,7 @@ static inline uint64_t max_u64(uint64_t a, uint64_t b)
 /* Exponent of a power of two. */
 static inline uint32_t log2_u32(uint32_t power)
 {
-    uint32_t log = 0;
-    while (power >>= 1) log++;
-    return log;
+    return 31 - (uint32_t)__builtin_clz(power | 1);
 }
 
 #endif
