@@ -12,10 +12,13 @@
 #endif
 
 enum {
-    ALL_TILES     = (1 << BLOCK_TILES) - 1,
-    PALETTE_LANES = 16,         /* room for a palette in whole vectors */
-    PLANE_LEAST   = -(1 << 25), /* limit for which a plane's least depth can be stored relative to any block's base */
-    PLANE_MOST    = (1 << 26) + (1 << 22)
+    ALL_TILES         = (1 << BLOCK_TILES) - 1,
+    PAIR_FROM         = 6,          /* a tile that needs this many depths gets two planes, if it is on two */
+    SLANTED_TILES     = 4,          /* tiles on planes in a slanted block */
+    PAIR_FROM_SLANTED = 4,          /* a tile that needs so many */
+    PALETTE_LANES     = 16,         /* room for a palette in whole vectors */
+    PLANE_LEAST       = -(1 << 25), /* limit for which a plane's least depth can be stored relative to any block's base */
+    PLANE_MOST        = (1 << 26) + (1 << 22)
 };
 
 /* tiles ----------------------------------------------------------------------------------------------------------------------- */
@@ -180,30 +183,40 @@ static void add_tile(intervals *s, const tile_in *t)
 
 /* palettes -------------------------------------------------------------------------------------------------------------------- */
 
-/* Whether the points of the block prove that a tile needs fewer depths than PRIVATE_FROM. */
-static int needs_few(const node_builder *b, uint32_t tile, const stab_group *groups, int count)
+/* Whether the points of the block prove that a tile needs fewer depths than `enough`. */
+static int needs_few(const node_builder *b, uint32_t tile, const stab_group *groups, int count, int enough)
 {
     int16_t first = axis_code(&b->axis, b->tile_xmin[tile]), last = axis_code(&b->axis, b->tile_emax[tile]);
     int     from = 0, to = 0;
     while (from + 1 < count && groups[from + 1].high <= first) from++;
     while (to + 1 < count && groups[to].high < last) to++;
-    return to - from + 1 < PRIVATE_FROM;
+    return to - from + 1 < enough;
 }
 
-/* Count the depths that tiles need, and give private palettes to those that need many. Returns the number of these.
- * groups  [count] points of the block; if they fit into its palette, tiles that need few are not counted */
-static int give_private_depths(node_builder *b, const stab_group *groups, int count)
+/* Fit two planes to a tile, if these are likely to take less than its pattern and its part of the palette. Returns 0 if not. */
+static int fit_pair(tile_in *t)
+{
+    private_plane_pair(&t->plane, &t->ranges);
+    if (t->plane.count > PRIVATE_PAIR_HALVES && t->depths < PAIR_FROM) t->plane.count = 0;
+    return t->plane.count != 0;
+}
+
+/* Count the depths that tiles need, and give private palettes to those that need many. Returns whether there are any.
+ * groups     [count] points of the block; if they fit into its palette, tiles that need few are not counted
+ * pair_from  depths that a tile needs to get two planes instead */
+static int give_private_depths(node_builder *b, const stab_group *groups, int count, int pair_from)
 {
     uint32_t many = 0;
     for (uint32_t rest = b->of_kind[TILE_PATTERN]; rest; rest &= rest - 1) {
         uint32_t   n = (uint32_t)__builtin_ctz(rest);
         intervals  s;
         stab_group of_tile[PRIVATE_FROM];
-        if (count <= PALETTE_MAX && needs_few(b, n, groups, count)) continue;
+        if (count <= PALETTE_MAX && needs_few(b, n, groups, count, pair_from)) continue;
         s.count = 0;
         add_tile(&s, &b->tile[n]);
         b->tile[n].depths = minimum_stabbing_set(&s, of_tile, PRIVATE_FROM, b->set->patterns.cpu);
-        many |= (uint32_t)(b->tile[n].depths >= PRIVATE_FROM) << n;
+        int depths        = b->tile[n].depths;
+        many |= (uint32_t)(depths >= PRIVATE_FROM || (depths >= pair_from && fit_pair(&b->tile[n]))) << n;
     }
     set_kind(b, many, TILE_PRIVATE);
     return many != 0;
@@ -237,6 +250,8 @@ static void give_most_private(node_builder *b)
 /* The fewest depths for all tiles without a private palette. Gives tiles private palettes until the palette is large enough. */
 static int block_groups(node_builder *b, stab_group groups[PALETTE_MAX + 1])
 {
+    int slanted   = __builtin_popcount(b->of_kind[TILE_PLANE] | b->of_kind[TILE_PRIVATE]) >= SLANTED_TILES;
+    int pair_from = slanted ? PAIR_FROM_SLANTED : PAIR_FROM;
     for (int counted = 0;;) {
         intervals s; /* 4 KiB; only the count needs to be initialized */
         s.count = 0;
@@ -252,9 +267,9 @@ static int block_groups(node_builder *b, stab_group groups[PALETTE_MAX + 1])
             s.count              = 1;
         }
         int count = minimum_stabbing_set(&s, groups, PALETTE_MAX + 1, b->set->patterns.cpu);
-        if (count >= PRIVATE_FROM && !counted) {
+        if (count >= pair_from && !counted) {
             counted = 1;
-            if (give_private_depths(b, groups, count)) continue;
+            if (give_private_depths(b, groups, count, pair_from)) continue;
         }
         if (count <= PALETTE_MAX) return count;
         give_most_private(b);

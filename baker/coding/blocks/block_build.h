@@ -17,7 +17,7 @@ typedef struct tile_in {
     int16_t        low[64], high[64]; /* the same as codes of the block's depth axis */
     int32_t        shift;             /* depth that the slope added */
     int            depths;            /* number of depths that it needs, up to PRIVATE_FROM; 0: not counted */
-    private_planes plane;             /* a plane through this tile alone */
+    private_planes plane;             /* a plane or two through this tile alone */
 } tile_in;
 
 /* Depths of a block; none: they are not chosen yet. */

@@ -73,7 +73,7 @@ typedef struct private_set {
 } private_set;
 
 /* Find a pattern that fits, or add one: planes, or depths that follow their neighbours as far as the ranges allow.
- * one   result of private_plane for the ranges
+ * one   planes that were fitted to the ranges: one or two, or none
  * id    [out];   base  [out] added to the pattern's depths
  * Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result private_find(private_set *s, const tile_ranges *t, const private_planes *one, uint32_t *id, int32_t *base);
