@@ -162,10 +162,10 @@ static void add_tiles(const sampler *job, uint32_t size)
 
 /* windows --------------------------------------------------------------------------------------------------------------------- */
 
-static int has_pattern(const block_set *set, const block_node *node)
+static int has_pattern(const block_set *set, const packed_node *node)
 {
     if (!(node->mixed & 1)) return 0;
-    const block b = block_at(set, node->block[0]);
+    const block b = block_at(set, *node_parts(set, node));
     for (const block_tile *t = b.tile; t < b.tile + BLOCK_TILES; t++)
         if (t->kind != TILE_UNIFORM) return 1;
     return 0;

@@ -70,8 +70,8 @@ static vxs_result put_map(layout *l, uint32_t map, map_entries *e)
                 e->words[2 * (y * e->side + x)] = ENTRY_UNIFORM | min_u32(u->depth, l->never);
     }
     for (const node_place *n = l->nodes; n < l->nodes + l->set->node_count; n++) {
-        const block_node *from  = &l->set->nodes[n->node];
-        uint32_t         *entry = e->words + 2 * (from->y * e->side + from->x);
+        const packed_node *from  = &l->set->nodes[n->node];
+        uint32_t          *entry = e->words + 2 * (from->y * e->side + from->x);
         if (from->map != map) continue;
         entry[0] = n->page << 16 | n->word;
         entry[1] = n->base | min_u32(from->emin >> coarse, 255) << 16 | min_u32(from->xmax >> coarse, 255) << 24;
@@ -180,7 +180,7 @@ static vxs_result encode_patterns(layout *l)
 
 static int by_place(const void *a, const void *b, void *user)
 {
-    const block_node *nodes = user, *x = &nodes[((const node_place *)a)->node], *y = &nodes[((const node_place *)b)->node];
+    const packed_node *nodes = user, *x = &nodes[((const node_place *)a)->node], *y = &nodes[((const node_place *)b)->node];
     if (x->map != y->map) return x->map < y->map ? -1 : 1;
     uint32_t xz = z_number((z_place){x->x, x->y}), yz = z_number((z_place){y->x, y->y});
     return (xz > yz) - (xz < yz);
@@ -188,15 +188,16 @@ static int by_place(const void *a, const void *b, void *user)
 
 /* Base of a node, in steps: no depth may be below it. The slope can move depths of uniform blocks behind the end of the map; if all
  * depths are there, the base is 0. */
-static uint32_t base_of(const layout *l, const block_node *n)
+static uint32_t base_of(const layout *l, const packed_node *n)
 {
-    const uint32_t never  = l->never + (uint32_t)slope_shift_max(n->slope);
-    uint32_t       least  = NEVER;
-    int            inside = 0;
-    for (int b = 0; b < NODE_BLOCKS; b++) {
-        const uint32_t mixed = n->mixed >> b & 1, depth = (uint32_t)n->depth[b];
-        if (mixed || depth < never) least = min_u32(least, depth);
-        inside |= mixed || depth < l->never;
+    const uint32_t  never = l->never + (uint32_t)slope_shift_max(n->slope), mixed_count = n->mixed_count;
+    const uint32_t *depth = node_parts(l->set, n) + mixed_count, *fresh = depth + mixed_count;
+    uint32_t        least  = NEVER;
+    int             inside = mixed_count != 0;
+    for (uint32_t k = 0; k < mixed_count; k++) least = min_u32(least, depth[k]);
+    for (uint32_t k = 0; k < n->fresh_count; k++) {
+        if (fresh[k] < never) least = min_u32(least, fresh[k]);
+        inside |= fresh[k] < l->never;
     }
     return inside ? min_u32(least >> l->base_shift, 0xffff) : 0;
 }
@@ -216,7 +217,7 @@ static void shape_some_nodes(void *user, size_t begin, size_t end, uint32_t work
         to->base = base_of(s->l, &s->l->set->nodes[to->node]);
         shape_of(&shape, s->l, to);
         to->words  = layout_node_words(&shape);
-        s->hash[n] = XXH64(&shape, sizeof shape, 0);
+        s->hash[n] = XXH64(&shape, shape_bytes(&shape), 0);
     }
 }
 
@@ -225,7 +226,7 @@ static int same_shape(const layout *l, uint32_t a, uint32_t b)
     node_shape x, y;
     shape_of(&x, l, &l->nodes[a]);
     shape_of(&y, l, &l->nodes[b]);
-    return !memcmp(&x, &y, sizeof x);
+    return shape_bytes(&x) == shape_bytes(&y) && !memcmp(&x, &y, shape_bytes(&x));
 }
 
 /* Give each place the first place of equal shape. */

@@ -3,6 +3,7 @@
 #ifndef BLOCK_LAYOUT_H
 #define BLOCK_LAYOUT_H
 
+#include <stddef.h>
 #include <string.h>
 
 #include "baker/coding/blocks/blocks.h"
@@ -20,12 +21,13 @@ enum {
 /* Depth of squares that are never in shadow. */
 #define NEVER UINT32_MAX
 
-/* A node without its position: nodes of equal shape are written once in a page. */
+/* A node without its position: nodes of equal shape are written once in a page. Parts lie as those of packed_node; depths are
+ * relative to the base, or NEVER. */
 typedef struct node_shape {
     node_slope slope;
-    uint64_t   mixed;
-    uint32_t   depth[NODE_BLOCKS]; /* relative to the base; or NEVER */
-    uint32_t   block[NODE_BLOCKS];
+    uint64_t   mixed, fresh;
+    uint32_t   mixed_count, fresh_count;
+    uint32_t   parts[2 * NODE_BLOCKS];
 } node_shape;
 
 /* Position of a node of the set in the layout. */
@@ -74,19 +76,33 @@ static inline uint32_t page_place(const layout *l, size_t page)
     return page ? l->page_end[page - 1].word : 0;
 }
 
-/* Blocks that are not mixed have no block; depths that are never in shadow, with any slope, are NEVER. */
+/* Bytes of a shape that are used: equal shapes have equal ones. */
+static inline size_t shape_bytes(const node_shape *s)
+{
+    return offsetof(node_shape, parts) + (2 * s->mixed_count + s->fresh_count) * sizeof *s->parts;
+}
+
+/* Depths that are never in shadow, with any slope, are NEVER: a block of one depth may no longer be fresh. */
 static inline void shape_of(node_shape *shape, const layout *l, const node_place *place)
 {
-    const block_node *n     = &l->set->nodes[place->node];
-    const uint32_t    never = l->never + (uint32_t)slope_shift_max(n->slope), from = place->base << l->base_shift;
-    memset(shape, 0, sizeof *shape);
-    shape->slope = n->slope;
-    shape->mixed = n->mixed;
-    for (int b = 0; b < NODE_BLOCKS; b++) {
-        int mixed       = n->mixed >> b & 1;
-        shape->depth[b] = !mixed && (uint32_t)n->depth[b] >= never ? NEVER : (uint32_t)n->depth[b] - from;
-        shape->block[b] = mixed ? n->block[b] : 0;
+    const packed_node *n     = &l->set->nodes[place->node];
+    const uint32_t     never = l->never + (uint32_t)slope_shift_max(n->slope), from = place->base << l->base_shift;
+    const uint32_t    *parts = node_parts(l->set, n), mixed_count = n->mixed_count;
+    uint32_t          *to = shape->parts + 2 * mixed_count, *fresh = to;
+    shape->slope       = n->slope;
+    shape->mixed       = n->mixed;
+    shape->mixed_count = mixed_count;
+    shape->fresh       = 0;
+    memcpy(shape->parts, parts, mixed_count * sizeof *parts);
+    for (uint32_t k = mixed_count; k < 2 * mixed_count; k++) shape->parts[k] = parts[k] - from;
+    parts += 2 * mixed_count;
+    for (uint64_t rest = n->fresh; rest; rest &= rest - 1, parts++) {
+        const uint32_t depth = *parts >= never ? NEVER : *parts - from;
+        if (to > fresh && to[-1] == depth) continue;
+        *to++ = depth;
+        shape->fresh |= rest & -rest;
     }
+    shape->fresh_count = (uint32_t)(to - fresh);
 }
 
 /* Words of a node's record. */

@@ -51,6 +51,16 @@ static int put_signed(vxs_bytes *out, const int32_t *values, size_t count)
     return ok;
 }
 
+/* Depths of all blocks of a node. */
+static void node_depths(const block_set *s, const packed_node *n, int32_t depth[NODE_BLOCKS])
+{
+    const uint32_t *mixed = node_parts(s, n) + n->mixed_count, *fresh = mixed + n->mixed_count, *last = fresh;
+    for (int b = 0; b < NODE_BLOCKS; b++) {
+        if (n->fresh >> b & 1) last = fresh++;
+        depth[b] = (int32_t) * (n->mixed >> b & 1 ? mixed++ : last);
+    }
+}
+
 /* loading --------------------------------------------------------------------------------------------------------------------- */
 
 typedef struct set_loader {
@@ -294,11 +304,12 @@ static vxs_result save_slot(void *user, uint32_t slot, vxs_bytes *out)
     ok = ok && put64(out, s->tile_count);
     for (const uniform_square *u = s->uniform; u < s->uniform + s->uniform_count && ok; u++)
         ok = put32s(out, (uint32_t[]){u->level, u->x, u->y, u->depth}, 4);
-    for (const block_node *n = s->nodes; n < s->nodes + s->node_count && ok; n++) {
+    for (const packed_node *n = s->nodes; n < s->nodes + s->node_count && ok; n++) {
         uint32_t head[] = {n->x, n->y, n->emin, n->xmax, (uint32_t)n->slope.x, (uint32_t)n->slope.y};
-        ok              = put32s(out, head, 6) && put64(out, n->mixed) && put_signed(out, n->depth, NODE_BLOCKS);
-        for (int b = 0; b < NODE_BLOCKS && ok; b++)
-            if (n->mixed >> b & 1) ok = put32(out, n->block[b]);
+        int32_t  depth[NODE_BLOCKS];
+        node_depths(s, n, depth);
+        ok = put32s(out, head, 6) && put64(out, n->mixed) && put_signed(out, depth, NODE_BLOCKS) &&
+             put32s(out, node_parts(s, n), n->mixed_count);
     }
     for (int depths = 2; depths <= PALETTE_MAX && ok; depths++) {
         const pattern_class *c = &s->patterns.by_depths[depths];

@@ -25,30 +25,22 @@ enum {
 
 /* nodes ----------------------------------------------------------------------------------------------------------------------- */
 
-/* Blocks that begin a new run of equal depths. */
-static uint64_t fresh_blocks(const node_shape *s)
+/* Number of depths of a node's record. */
+static uint32_t depth_count(const node_shape *s)
 {
-    uint64_t fresh = 0;
-    int      last  = -1;
-    for (int b = 0; b < NODE_BLOCKS; b++) {
-        if (s->mixed >> b & 1) continue;
-        if (last < 0 || s->depth[b] != s->depth[last]) fresh |= 1ull << b;
-        last = b;
-    }
-    return fresh;
+    return s->mixed_count + s->fresh_count;
 }
 
 static int is_wide(const node_shape *s)
 {
     int wide = 0;
-    for (int b = 0; b < NODE_BLOCKS; b++) wide |= s->depth[b] != NEVER && s->depth[b] > 0xfffe;
+    for (const uint32_t *d = s->parts + s->mixed_count, *end = d + depth_count(s); d < end; d++) wide |= *d != NEVER && *d > 0xfffe;
     return wide;
 }
 
 uint32_t layout_node_words(const node_shape *s)
 {
-    uint32_t mixed = (uint32_t)__builtin_popcountll(s->mixed), fresh = (uint32_t)__builtin_popcountll(fresh_blocks(s));
-    return (NODE_HALVES + mixed + (mixed + fresh) * (is_wide(s) ? 2 : 1) + 1) / 2;
+    return (NODE_HALVES + s->mixed_count + depth_count(s) * (is_wide(s) ? 2 : 1) + 1) / 2;
 }
 
 /* blocks ---------------------------------------------------------------------------------------------------------------------- */
@@ -140,18 +132,19 @@ static void add_patterns(const layout *l, cutter *c, uint32_t page, page_size *s
 /* Blocks are scattered in memory: ask for those of a node early. */
 static void prefetch_blocks(const layout *l, const node_place *n)
 {
-    const block_node *node = &l->set->nodes[n->node];
-    for (uint64_t rest = node->mixed; rest; rest &= rest - 1)
-        __builtin_prefetch(intern_at(&l->set->blocks, node->block[__builtin_ctzll(rest)]));
+    const packed_node *node = &l->set->nodes[n->node];
+    const uint32_t    *ids  = node_parts(l->set, node);
+    for (uint32_t k = 0; k < node->mixed_count; k++) __builtin_prefetch(intern_at(&l->set->blocks, ids[k]));
 }
 
 /* Add to the last page the words of a node, and of its blocks and patterns that are not in the page yet. */
 static void add_to_page(layout *l, cutter *c, page_size *size, uint32_t n)
 {
-    node_place       *to = &l->nodes[n], *first = &l->nodes[to->shape];
-    const block_node *node = &l->set->nodes[to->node];
-    const uint32_t    page = (uint32_t)l->page_count + 1;
-    c->fresh_count         = 0;
+    node_place        *to = &l->nodes[n], *first = &l->nodes[to->shape];
+    const packed_node *node = &l->set->nodes[to->node];
+    const uint32_t    *ids  = node_parts(l->set, node);
+    const uint32_t     page = (uint32_t)l->page_count + 1;
+    c->fresh_count          = 0;
     prefetch_blocks(l, to + 1);
     to->page = page - 1;
     if (first->last != NEVER && first->last != n && l->nodes[first->last].page == to->page) {
@@ -161,8 +154,8 @@ static void add_to_page(layout *l, cutter *c, page_size *size, uint32_t n)
     first->last = n;
     to->word    = size->words;
     size->words += to->words;
-    for (uint64_t rest = node->mixed; rest; rest &= rest - 1) {
-        const uint32_t id = node->block[__builtin_ctzll(rest)];
+    for (uint32_t k = 0; k < node->mixed_count; k++) {
+        const uint32_t id = ids[k];
         if (!is_new(&c->block[id], page)) continue;
         size->words += l->block_words[id];
         add_patterns(l, c, page, size, id);
@@ -341,20 +334,16 @@ static void put_wide(half_writer *w, uint32_t value, int wide)
 /* Returns the number of words. */
 static uint32_t write_node(const page_place_of *block_at, uint32_t *to, const node_shape *s)
 {
-    uint64_t    fresh = fresh_blocks(s);
-    int         wide  = is_wide(s);
-    half_writer w     = {to, 0};
+    const uint32_t *part = s->parts, *depths = part + s->mixed_count, *end = depths + depth_count(s);
+    const int       wide = is_wide(s);
+    half_writer     w    = {to, 0};
     for (int n = 0; n < 4; n++) put_half(&w, (uint32_t)(s->mixed >> 16 * n));
-    for (int n = 0; n < 4; n++) put_half(&w, (uint32_t)(fresh >> 16 * n));
+    for (int n = 0; n < 4; n++) put_half(&w, (uint32_t)(s->fresh >> 16 * n));
     put_half(&w, (uint32_t)s->slope.x);
     put_half(&w, (uint32_t)s->slope.y);
     put_half(&w, wide ? NODE_WIDE : 0);
-    for (int b = 0; b < NODE_BLOCKS; b++)
-        if (s->mixed >> b & 1) put_half(&w, place_of(block_at[s->block[b]]));
-    for (int b = 0; b < NODE_BLOCKS; b++)
-        if (s->mixed >> b & 1) put_wide(&w, s->depth[b], wide);
-    for (int b = 0; b < NODE_BLOCKS; b++)
-        if (fresh >> b & 1) put_wide(&w, s->depth[b], wide);
+    for (; part < depths; part++) put_half(&w, place_of(block_at[*part]));
+    for (; part < end; part++) put_wide(&w, *part, wide);
     return (w.at + 1) / 2;
 }
 
@@ -443,22 +432,21 @@ static void write_block(page_writer *w, page_sink *s, const block_parts *b)
 /* Write a node that is new in the page, and behind it its blocks that are. */
 static void write_record(page_writer *w, page_sink *s, const node_place *place)
 {
-    const layout *l     = w->l;
-    uint64_t      fresh = 0;
-    uint32_t      word  = s->word + place->words;
+    const layout *l    = w->l;
+    uint32_t      word = s->word + place->words, fresh[NODE_BLOCKS], count = 0;
     node_shape    shape;
     shape_of(&shape, l, place);
-    for (uint64_t rest = shape.mixed; rest; rest &= rest - 1) {
-        const uint32_t id = shape.block[__builtin_ctzll(rest)];
+    for (uint32_t k = 0; k < shape.mixed_count; k++) {
+        const uint32_t id = shape.parts[k];
         if (!gets_place(&w->block[id], s->page, word)) continue;
         word += l->block_words[id];
-        fresh |= rest & -rest;
+        fresh[count++] = id;
     }
     s->word += write_node(w->block, s->words + s->word, &shape);
     w->counts.nodes++;
     w->counts.node_words += place->words;
-    for (; fresh; fresh &= fresh - 1) {
-        const block_parts b = block_parts_of(intern_at(&l->set->blocks, shape.block[__builtin_ctzll(fresh)]));
+    for (uint32_t k = 0; k < count; k++) {
+        const block_parts b = block_parts_of(intern_at(&l->set->blocks, fresh[k]));
         write_block(w, s, &b);
     }
 }

@@ -153,8 +153,32 @@ vxs_result block_set_add_uniform(block_set *s, const uniform_square *u)
 
 vxs_result block_set_add_node(block_set *s, const block_node *n)
 {
-    if (!array_reserve(&s->nodes, &s->node_capacity, s->node_count + 1, sizeof *s->nodes)) return VXS_E_MEMORY;
-    s->nodes[s->node_count++] = *n;
+    uint32_t    fresh[NODE_BLOCKS], *to;
+    int         last   = -1;
+    packed_node packed = {.map   = n->map,
+                          .x     = n->x,
+                          .y     = n->y,
+                          .emin  = n->emin,
+                          .xmax  = n->xmax,
+                          .slope = n->slope,
+                          .mixed = n->mixed,
+                          .first = s->part_count};
+    if (!array_reserve(&s->nodes, &s->node_capacity, s->node_count + 1, sizeof *s->nodes) ||
+        !array_reserve(&s->parts, &s->part_capacity, s->part_count + 2 * NODE_BLOCKS, sizeof *s->parts))
+        return VXS_E_MEMORY;
+    to = s->parts + s->part_count;
+    for (uint64_t rest = n->mixed; rest; rest &= rest - 1, packed.mixed_count++) *to++ = n->block[__builtin_ctzll(rest)];
+    for (uint64_t rest = n->mixed; rest; rest &= rest - 1) *to++ = (uint32_t)n->depth[__builtin_ctzll(rest)];
+    for (uint64_t rest = ~n->mixed; rest; rest &= rest - 1) {
+        const int b = __builtin_ctzll(rest);
+        if (last >= 0 && n->depth[b] == n->depth[last]) continue;
+        last = b;
+        packed.fresh |= rest & -rest;
+        fresh[packed.fresh_count++] = (uint32_t)n->depth[b];
+    }
+    memcpy(to, fresh, packed.fresh_count * sizeof *to);
+    s->part_count += 2u * packed.mixed_count + packed.fresh_count;
+    s->nodes[s->node_count++] = packed;
     return VXS_OK;
 }
 
@@ -218,6 +242,24 @@ static vxs_result merge_blocks(block_set *s, block_set *from, const new_ids *ids
     return VXS_OK;
 }
 
+static vxs_result merge_nodes(block_set *s, const block_set *from, const uint32_t *block_ids)
+{
+    if (!from->node_count) return VXS_OK;
+    if (!array_reserve(&s->nodes, &s->node_capacity, s->node_count + from->node_count, sizeof *s->nodes) ||
+        !array_reserve(&s->parts, &s->part_capacity, s->part_count + from->part_count, sizeof *s->parts))
+        return VXS_E_MEMORY;
+    memcpy(s->parts + s->part_count, from->parts, from->part_count * sizeof *s->parts);
+    for (size_t n = 0; n < from->node_count; n++) {
+        packed_node *to = &s->nodes[s->node_count++];
+        *to             = from->nodes[n];
+        to->first += s->part_count;
+        uint32_t *ids = node_parts(s, to);
+        for (uint32_t k = 0; k < to->mixed_count; k++) ids[k] = block_ids[ids[k]];
+    }
+    s->part_count += from->part_count;
+    return VXS_OK;
+}
+
 vxs_result block_set_merge(block_set *s, block_set *from)
 {
     new_ids    ids       = {.pattern      = malloc((from->patterns.count + 1) * sizeof *ids.pattern),
@@ -229,12 +271,7 @@ vxs_result block_set_merge(block_set *s, block_set *from)
     if (r == VXS_OK) r = merge_blocks(s, from, &ids, block_ids);
     if (r == VXS_OK) {
         for (size_t n = 0; n < from->uniform_count && r == VXS_OK; n++) r = block_set_add_uniform(s, &from->uniform[n]);
-        for (size_t n = 0; n < from->node_count && r == VXS_OK; n++) {
-            block_node *node = &from->nodes[n];
-            for (int b = 0; b < NODE_BLOCKS; b++)
-                if (node->mixed >> b & 1) node->block[b] = block_ids[node->block[b]];
-            r = block_set_add_node(s, node);
-        }
+        if (r == VXS_OK) r = merge_nodes(s, from, block_ids);
         s->tile_count += from->tile_count;
     }
     free(ids.pattern);
@@ -249,6 +286,7 @@ void block_set_free(block_set *s)
 {
     free(s->uniform);
     free(s->nodes);
+    free(s->parts);
     intern_free(&s->blocks);
     pattern_set_free(&s->patterns);
     private_set_free(&s->privates);

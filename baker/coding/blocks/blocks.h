@@ -91,7 +91,7 @@ enum {
     FAR_DEPTH   = 1 << 20 /* behind all maps: a column is never in shadow */
 };
 
-/* A square of NODE_PX texels. */
+/* A square of NODE_PX texels, while it is built. */
 typedef struct block_node {
     uint32_t   map, x, y;  /* index of the light's map; position in squares of NODE_PX */
     uint32_t   emin, xmax; /* bounds of its columns */
@@ -100,6 +100,15 @@ typedef struct block_node {
     int32_t    depth[NODE_BLOCKS]; /* base of the block's palette, or its single depth; FAR_DEPTH or more: never in shadow */
     uint32_t   block[NODE_BLOCKS]; /* ids of the mixed ones */
 } block_node;
+
+/* A node in a set. Its parts lie one behind the other: ids of the mixed blocks, their depths, and the depths of fresh blocks. */
+typedef struct packed_node {
+    uint32_t   map, x, y, emin, xmax;
+    uint16_t   mixed_count, fresh_count;
+    node_slope slope;
+    uint64_t   mixed, fresh; /* fresh: blocks of one depth that is not that of the one before */
+    size_t     first;        /* of its parts, in those of the set */
+} packed_node;
 
 /* A square of a map that has one depth. */
 typedef struct uniform_square {
@@ -116,8 +125,9 @@ static inline uint32_t uniform_depth(const column_bounds *b, uint32_t depth_vx)
 /* The contents of squares of maps. Zero it. */
 typedef struct block_set {
     uniform_square *uniform;
-    block_node     *nodes;
-    size_t          uniform_count, uniform_capacity, node_count, node_capacity;
+    packed_node    *nodes;
+    uint32_t       *parts; /* of nodes */
+    size_t          uniform_count, uniform_capacity, node_count, node_capacity, part_count, part_capacity;
     intern          blocks; /* packed (blocks.h) */
     pattern_set     patterns;
     private_set     privates;
@@ -133,6 +143,12 @@ block block_at(const block_set *s, uint32_t id);
 
 vxs_result block_set_add_uniform(block_set *s, const uniform_square *u);
 vxs_result block_set_add_node(block_set *s, const block_node *n);
+
+/* Ids of the mixed blocks of a node, [mixed_count]; behind them its depths. */
+static inline uint32_t *node_parts(const block_set *s, const packed_node *n)
+{
+    return s->parts + n->first;
+}
 
 /* Add everything in `from`, which is empty afterwards; equal patterns and blocks become one. */
 vxs_result block_set_merge(block_set *s, block_set *from);
