@@ -470,7 +470,7 @@ static void needs_of_tiles(void **state)
     rng r = {2};
     for (uint32_t round = 0; round < repeats(1000, 3000); round++) {
         int16_t points[PALETTE_MAX], low[64], high[64], first[64], last[64];
-        int     count = 1 + (int)rng_below(&r, PALETTE_MAX);
+        int     count = 1 + (int)rng_below(&r, PALETTE_MAX), least = count;
         for (int n = 0, at = 0; n < count; n++) points[n] = (int16_t)(at += 1 + (int)rng_below(&r, round % 2 ? 4 : 2000));
         for (int n = 0; n < 64; n++) {
             int from = (int)rng_below(&r, (uint32_t)count), to = rng_between(&r, from, count - 1);
@@ -478,10 +478,11 @@ static void needs_of_tiles(void **state)
             high[n]  = (int16_t)rng_between(&r, points[to], to + 1 < count ? points[to + 1] - 1 : INT16_MAX);
             first[n] = (int16_t)from;
             last[n]  = (int16_t)to;
+            least    = to < least ? to : least;
         }
         for (int cpu = CPU_SSE2; cpu <= cpu_level_of_machine(); cpu++) {
             mask_need needs[PALETTE_MAX - 1];
-            uint32_t  used = tile_needs(low, high, points, count, needs, cpu), rest = used;
+            uint32_t  used = tile_needs(low, high, points, count, rng_between(&r, 0, least), needs, cpu), rest = used;
             assert_int_equal(__builtin_popcount(used), fewest_points(first, last, 64));
             for (int n = 0; n < 64; n++) assert_true(used >> first[n] & ((2u << (last[n] - first[n])) - 1));
             for (int mask = 0; rest & (rest - 1); mask++) {

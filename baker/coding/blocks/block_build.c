@@ -13,9 +13,10 @@
 
 enum {
     ALL_TILES         = (1 << BLOCK_TILES) - 1,
-    PAIR_FROM         = 6,          /* a tile that needs this many depths gets two planes, if it is on two */
-    SLANTED_TILES     = 4,          /* tiles on planes in a slanted block */
-    PAIR_FROM_SLANTED = 4,          /* a tile that needs so many */
+    PAIR_FROM         = 6, /* a tile that needs this many depths gets two planes, if it is on two */
+    SLANTED_TILES     = 4, /* tiles on planes in a slanted block */
+    PAIR_FROM_SLANTED = 4, /* a tile that needs so many */
+    NO_ENTRY          = 0xff,
     PALETTE_LANES     = 16,         /* room for a palette in whole vectors */
     PLANE_LEAST       = -(1 << 25), /* limit for which a plane's least depth can be stored relative to any block's base */
     PLANE_MOST        = (1 << 26) + (1 << 22)
@@ -140,6 +141,7 @@ static void scale_by_depths(node_builder *b, uint32_t ranged)
     for (uint32_t rest = ranged; rest; rest &= rest - 1, count += 128)
         memcpy(depths + count, &b->tile[__builtin_ctz(rest)].ranges, sizeof b->tile->ranges);
     axis_init_by_depths(&b->axis, depths, codes, count);
+    memset(b->tile_high, 0, sizeof b->tile_high); /* before all entries: tells nothing of tiles that are not uniform */
     for (uint32_t rest = uniform; rest; rest &= rest - 1) {
         b->tile_low[__builtin_ctz(rest)]  = codes[next++];
         b->tile_high[__builtin_ctz(rest)] = codes[next++];
@@ -283,13 +285,20 @@ static int32_t roundest(int32_t low, int32_t high)
     return high >> bit << bit;
 }
 
-/* Choose entries of uniform tiles: the same as the tiles before, where possible.   codes  [count] of the palette */
-static void place_uniform(const node_builder *b, block *out, const int16_t *codes, int count)
+/* The palette of a block. */
+typedef struct palette_in {
+    int16_t code[PALETTE_LANES];
+    uint8_t first[BLOCK_TILES],
+        last[BLOCK_TILES]; /* the entries at or behind the last enter depth of each tile, and at or before its
+                                                      first exit depth; NO_ENTRY: none is before that */
+} palette_in;
+
+/* Choose entries of uniform tiles: the same as the tiles before, where possible. */
+static void place_uniform(const node_builder *b, block *out, const palette_in *p)
 {
-    uint8_t   low[BLOCK_TILES], high[BLOCK_TILES];
-    run_range run  = {0, PALETTE_MAX};
-    uint32_t  rest = b->of_kind[TILE_UNIFORM], placed = rest;
-    points_of_ranges(b->tile_low, b->tile_high, BLOCK_TILES, codes, count, low, high);
+    const uint8_t *low = p->first, *high = p->last;
+    run_range      run  = {0, PALETTE_MAX};
+    uint32_t       rest = b->of_kind[TILE_UNIFORM], placed = rest;
     for (;; rest &= rest - 1) {
         int n = rest ? __builtin_ctz(rest) : BLOCK_TILES;
         if (rest && run_takes(&run, low[n], high[n])) continue;
@@ -346,8 +355,9 @@ static int32_t depth_beside(const node_builder *b, int32_t low, int32_t high)
 }
 
 /* Build the palette for the tiles that are not on the plane.
- * codes  [out] codes of its depths;   Returns the first depth. */
-static int32_t build_palette(node_builder *b, block *out, int16_t codes[PALETTE_LANES])
+ * p  [out]
+ * Returns the first depth. */
+static int32_t build_palette(node_builder *b, block *out, palette_in *p)
 {
     stab_group groups[PALETTE_MAX + 1];
     scale_block(b);
@@ -369,17 +379,19 @@ static int32_t build_palette(node_builder *b, block *out, int16_t codes[PALETTE_
     if (met >= 0) out->depth[count - 1] = met - base;
     int32_t depths[PALETTE_LANES] = {0};
     for (int n = 0; n < count; n++) depths[n] = base + out->depth[n];
-    axis_codes(&b->axis, depths, codes, PALETTE_LANES);
-    place_uniform(b, out, codes, count);
+    axis_codes(&b->axis, depths, p->code, PALETTE_LANES);
+    points_of_ranges(b->tile_low, b->tile_high, BLOCK_TILES, p->code, count, p->first, p->last);
+    place_uniform(b, out, p);
     return base;
 }
 
 /* Find or add the pattern of each tile. */
-static vxs_result find_patterns(node_builder *b, block *out, int32_t base, const int16_t *codes)
+static vxs_result find_patterns(node_builder *b, block *out, int32_t base, const palette_in *p)
 {
     for (uint32_t rest = b->of_kind[TILE_PATTERN] | b->of_kind[TILE_PRIVATE]; rest; rest &= rest - 1) {
-        const tile_in *t  = &b->tile[__builtin_ctz(rest)];
-        block_tile    *to = &out->tile[__builtin_ctz(rest)];
+        const int      n  = __builtin_ctz(rest);
+        const tile_in *t  = &b->tile[n];
+        block_tile    *to = &out->tile[n];
         vxs_result     r;
         if (b->of_kind[TILE_PRIVATE] & rest & -rest) {
             to->kind = TILE_PRIVATE;
@@ -387,9 +399,10 @@ static vxs_result find_patterns(node_builder *b, block *out, int32_t base, const
             to->base -= base;
         } else {
             mask_need needs[PALETTE_MAX - 1];
-            to->kind    = TILE_PATTERN;
-            to->palette = (uint16_t)tile_needs(t->low, t->high, codes, (int)out->depths, needs, b->set->patterns.cpu);
-            r           = pattern_find(&b->set->patterns, __builtin_popcount(to->palette), needs, &to->pattern);
+            to->kind       = TILE_PATTERN;
+            const int from = p->last[n] == NO_ENTRY ? 0 : p->last[n];
+            to->palette    = (uint16_t)tile_needs(t->low, t->high, p->code, (int)out->depths, from, needs, b->set->patterns.cpu);
+            r              = pattern_find(&b->set->patterns, __builtin_popcount(to->palette), needs, &to->pattern);
         }
         if (r != VXS_OK) return r;
         b->set->tile_count++;
@@ -399,7 +412,7 @@ static vxs_result find_patterns(node_builder *b, block *out, int32_t base, const
 
 vxs_result block_build(node_builder *b, uint32_t *id, int32_t *base)
 {
-    int16_t    codes[PALETTE_LANES];
+    palette_in palette;
     uint32_t   flat;
     block      out;
     vxs_result r = fetch_block(b, b->number % 8, b->number / 8);
@@ -421,12 +434,12 @@ vxs_result block_build(node_builder *b, uint32_t *id, int32_t *base)
         out.depths = 1;
         *base      = max_i32(out.plane.least >> 8, 0);
     } else
-        *base = build_palette(b, &out, codes);
+        *base = build_palette(b, &out, &palette);
     for (uint32_t rest = on; rest; rest &= rest - 1) out.tile[__builtin_ctz(rest)].kind = TILE_PLANE;
     if (on) out.plane.least -= *base * PLANE_ONE;
     block_depths *chosen = &b->chosen[b->number];
     chosen->count        = out.depths;
     for (uint32_t n = 0; n < out.depths; n++) chosen->depth[n] = *base + out.depth[n];
-    r = find_patterns(b, &out, *base, codes);
+    r = find_patterns(b, &out, *base, &palette);
     return r == VXS_OK ? block_set_find(b->set, &out, id) : r;
 }

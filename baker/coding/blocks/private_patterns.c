@@ -17,6 +17,10 @@
 
 enum { PAIRS = 4, GROUP = 16, SHIFTS = 8, MARGIN = 1024, BYTES_HALVES_MIN = 19 /* least size of depths in bytes */ };
 
+/* So many depths take more than PRIVATE_PLANES_HALVES_MAX halves: 1 for the head, 4 for depths in bytes, 4 for states of masks, and two
+ * masks, as a quadrant changes once more than it has masks of its own. */
+enum { MANY_DEPTHS = 8 };
+
 /* Pairs of texels that are compared first, spread over the tile: the depth difference of a pair does not depend on the base. */
 static const int pair_texels[PAIRS][2] = {{0, 63}, {22, 41}, {15, 51}, {28, 37}};
 
@@ -170,28 +174,39 @@ static int choose_bytes(private_pattern *p, const tile_ranges *t, int shift, int
     return 1;
 }
 
-/* Choose depths that take few halves: few distinct ones, or bytes. Returns the number of halves. */
-static uint32_t choose_depths(private_pattern *p, const tile_ranges *t, const half_ranges *halves, int32_t *base)
+/* The fewest depths that a tile needs. */
+typedef struct fewest_depths {
+    stab_group groups[64];
+    int        count;
+} fewest_depths;
+
+static void find_fewest(fewest_depths *f, const half_ranges *halves, int cpu)
+{
+    intervals s;
+    s.count = 64;
+    memcpy(s.low, halves->low, sizeof halves->low);
+    memcpy(s.high, halves->high, sizeof halves->high);
+    f->count = minimum_stabbing_set(&s, f->groups, 64, cpu);
+}
+
+/* Choose depths that take few halves: few distinct ones, or bytes.
+ * halves, few  NULL: the depths span too much
+ * Returns the number of halves. */
+static uint32_t choose_depths(private_pattern *p, const tile_ranges *t, const half_ranges *halves, const fewest_depths *few,
+                              int32_t *base)
 {
     uint16_t        code[PRIVATE_HALVES_MAX];
     private_pattern bytes;
     int32_t         base_of_bytes;
     if (halves) {
-        /* Choose as few distinct depths as possible. */
-        intervals  s;
-        stab_group groups[64];
-        int16_t    points[64];
-        uint8_t    low[64], high[64], index[64];
-        s.count = 64;
-        memcpy(s.low, halves->low, sizeof halves->low);
-        memcpy(s.high, halves->high, sizeof halves->high);
-        int count = minimum_stabbing_set(&s, groups, 64, CPU_SSE2); /* rarely called */
-        for (int n = 0; n < count; n++) points[n] = groups[n].low;
-        points_of_ranges(halves->low, halves->high, 64, points, count, low, high);
+        int16_t points[64];
+        uint8_t low[64], high[64], index[64];
+        for (int n = 0; n < few->count; n++) points[n] = few->groups[n].low;
+        points_of_ranges(halves->low, halves->high, 64, points, few->count, low, high);
         pattern_choose_within(low, high, index);
         for (int n = 0; n < 64; n++) p->depth[n] = points[index[n]] - points[0];
-        *base = halves->floor + groups[0].low;
-    } else { /* depths that span much: choose each as near to the first as its range allows */
+        *base = halves->floor + points[0];
+    } else { /* choose each as near to the first as its range allows */
         *base = least_high(t);
         for (int n = 0; n < 64; n++) p->depth[n] = t->low[n] > *base ? t->low[n] - *base : 0;
     }
@@ -232,16 +247,24 @@ static void take_planes(private_pattern *p, const private_planes *planes, int32_
 }
 
 /* Choose one plane, or depths, or two planes if these are certain to take less. */
-static void choose(private_pattern *p, const tile_ranges *t, const half_ranges *halves, const private_planes *one, int32_t *base)
+static void choose(private_pattern *p, const tile_ranges *t, const half_ranges *halves, const private_planes *one, int cpu,
+                   int32_t *base)
 {
     private_planes pair;
+    fewest_depths  few;
     if (one->count && (!halves || in_halves(one->depth))) {
         take_planes(p, one, base);
         return;
     }
-    if (choose_depths(p, t, halves, base) <= PRIVATE_PLANES_HALVES_MAX) return;
+    few.count = 0;
+    if (halves) find_fewest(&few, halves, cpu);
+    const int many = few.count >= MANY_DEPTHS;
+    if (!many && choose_depths(p, t, halves, &few, base) <= PRIVATE_PLANES_HALVES_MAX) return;
     private_plane_pair(&pair, t);
-    if (pair.count && (!halves || in_halves(pair.depth))) take_planes(p, &pair, base);
+    if (pair.count && (!halves || in_halves(pair.depth)))
+        take_planes(p, &pair, base);
+    else if (many)
+        choose_depths(p, t, halves, &few, base);
 }
 
 uint32_t private_pattern_encode(const private_pattern *p, uint16_t *halves)
@@ -286,7 +309,7 @@ static vxs_result add(private_set *s, const tile_ranges *t, const half_ranges *h
     if (like)
         *p = *like;
     else
-        choose(p, t, halves, one, base);
+        choose(p, t, halves, one, s->cpu, base);
     for (int n = 0; n < 64; n++) {
         p->may.low[n]  = t->low[n] - *base;
         p->may.high[n] = t->high[n] - *base;

@@ -217,12 +217,12 @@ static ALWAYS_INLINE uint64_t behind(const int16_t codes[64], int16_t point)
 
 /* At entry n, texels without an entry whose range ends before entry n + 1 must take entry n. */
 static ALWAYS_INLINE uint32_t needs_by(find_behind *find, const int16_t *low, const int16_t *high, const int16_t *points, int count,
-                                       mask_need *needs)
+                                       int from, mask_need *needs)
 {
     uint64_t left = UINT64_MAX, lit = 0,
              dark = 0; /* texels without an entry yet; texels that begin behind the last entry; texels that ended before this one */
     uint32_t used = 0;
-    for (int entry = 0; entry < count && left; entry++) {
+    for (int entry = from; entry < count && left; entry++) {
         uint64_t ends = entry + 1 < count ? ~find(high, (int16_t)(points[entry + 1] - 1)) : UINT64_MAX;
         if (ends & left) { /* otherwise all texels without an entry can wait for the next one */
             if (used) *needs++ = (mask_need){.dark = dark, .lit = lit};
@@ -250,19 +250,20 @@ CPU_TARGET_AVX2 static ALWAYS_INLINE uint64_t behind_avx2(const int16_t codes[64
     return bits;
 }
 
-CPU_TARGET_AVX2 static uint32_t needs_avx2(const int16_t *low, const int16_t *high, const int16_t *points, int count,
+CPU_TARGET_AVX2 static uint32_t needs_avx2(const int16_t *low, const int16_t *high, const int16_t *points, int count, int from,
                                            mask_need *needs)
 {
-    return needs_by(behind_avx2, low, high, points, count, needs);
+    return needs_by(behind_avx2, low, high, points, count, from, needs);
 }
 
 #endif
 
-uint32_t tile_needs(const int16_t low[64], const int16_t high[64], const int16_t *points, int count, mask_need *needs, int cpu)
+uint32_t tile_needs(const int16_t low[64], const int16_t high[64], const int16_t *points, int count, int from, mask_need *needs,
+                    int cpu)
 {
 #ifdef __x86_64__
-    if (cpu >= CPU_AVX2) return needs_avx2(low, high, points, count, needs);
+    if (cpu >= CPU_AVX2) return needs_avx2(low, high, points, count, from, needs);
 #endif
     (void)cpu;
-    return needs_by(behind, low, high, points, count, needs);
+    return needs_by(behind, low, high, points, count, from, needs);
 }

@@ -80,9 +80,11 @@ int32_t axis_depth(const depth_axis *a, int16_t code);
 /* Find the fewest entries that are enough for a tile, and the needs of each mask between two of them.
  * low, high  [64] ranges of texels, as codes
  * points     [count] codes of the palette's depths, ascending; the range of each texel contains at least one
+ * from       the last entry that is at or before the ends of all ranges, or an earlier one
  * needs      [out] [entries - 1]
  * cpu        level of cpu.h; affects only time
  * Returns the bits of the entries. */
-uint32_t tile_needs(const int16_t low[64], const int16_t high[64], const int16_t *points, int count, mask_need *needs, int cpu);
+uint32_t tile_needs(const int16_t low[64], const int16_t high[64], const int16_t *points, int count, int from, mask_need *needs,
+                    int cpu);
 
 #endif
