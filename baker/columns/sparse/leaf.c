@@ -425,18 +425,27 @@ static void find_columns(leaf *f, int first, parting *p)
 
 PORTABLE_LOG(depth_logs, f64s, u64s)
 
+static inline int are_equal(f64s a, f64s b)
+{
+    return !i64s_negative((i64s)(a != b));
+}
+
 /* Round depths to voxels: down, or up for exit depths.   least, most  [out] of the voxels */
 static void round_depths(depth_scale s, const double depths[64], int up, uint32_t voxels[64], uint32_t *least, uint32_t *most)
 {
     const f64s far = f64s_all(depth_none(s)), near = f64s_all(depth_none(s) - 1), depth_vx = f64s_all(s.depth_vx);
-    f64s       low = f64s_all(INFINITY), high = f64s_all(0);
+    f64s       low = f64s_all(INFINITY), high = f64s_all(0), last = far, of_last = depth_vx;
     for (int n = 0; n < 64; n += LANES) {
         f64s z = f64s_min(f64s_max(f64s_load(depths + n), near), far);
         /* as depth_in_voxels, bit by bit */
-        if (s.voxel_log == 0)
+        if (s.voxel_log == 0) {
             z *= depth_vx;
-        else
-            z = f64s_min(f64s_max(-depth_logs(0 - z) / f64s_all(s.voxel_log), f64s_all(0)), depth_vx);
+        } else if (are_equal(z, last)) { /* exits often are, and a logarithm takes longer than this look */
+            z = of_last;
+        } else {
+            last = z;
+            z = of_last = f64s_min(f64s_max(-depth_logs(0 - z) / f64s_all(s.voxel_log), f64s_all(0)), depth_vx);
+        }
         i32s down = __builtin_convertvector(z, i32s);
         if (up) down -= __builtin_convertvector((i64s)(__builtin_convertvector(down, f64s) < z), i32s);
         memcpy(voxels + n, &down, sizeof down);

@@ -30,6 +30,8 @@ struct leaf_page {
 /* Scratch memory of a worker: lists of the quarters of a square at each level, what a leaf needs, and the tiles found. */
 struct square_worker {
     square_list  list, quarter[SPARSE_LEVELS_MAX][4];
+    double       exit;    /* the last exit depth that was rounded: the next one is often the same */
+    uint32_t     exit_vx; /* the same, rounded up to voxels; 0: not known */
     leaf_scratch leaf;
     leaf_page   *pages, *spare; /* the first page is being filled; pages of earlier squares */
     uint32_t     page_count;    /* of both lists */
@@ -108,10 +110,15 @@ static column_tile *next_tile(const square_maker *w, square_worker *worker)
 
 /* Settle the square if one depth separates lit from shadowed, with at least `room` between enter and exit depths. Returns 1 if
  * it was settled. */
-static int settle(const square_maker *w, texel_square at, double enter_most, double exit_least, uint32_t room)
+static int settle(const square_maker *w, square_worker *worker, texel_square at, double enter_most, double exit_least,
+                  uint32_t room)
 {
     depth_scale s = w->d->scale;
-    uint32_t    e = depth_down(s, depth_clamped(s, enter_most)), x = depth_up(s, depth_clamped(s, exit_least));
+    if (exit_least != worker->exit || !worker->exit_vx) {
+        worker->exit    = exit_least;
+        worker->exit_vx = depth_up(s, depth_clamped(s, exit_least));
+    }
+    uint32_t e = depth_down(s, depth_clamped(s, enter_most)), x = worker->exit_vx;
     if (x < e || x - e < room) return 0;
     set_bounds(w->q, at, (column_bounds){e, e, x, x});
     return 1;
@@ -124,27 +131,30 @@ static int settle_empty(const square_maker *w, texel_square at)
     return 1;
 }
 
-static int settle_large(const square_maker *w, texel_square at, square_bound *bound, square_list *l)
+static int settle_large(const square_maker *w, square_worker *worker, texel_square at, square_bound *bound, square_list *l)
 {
     square_bound_tighten(bound, l, &w->d->dont_care);
-    return l->count ? settle(w, at, bound->enter_most, bound->exit_least, 0) : settle_empty(w, at);
+    return l->count ? settle(w, worker, at, bound->enter_most, bound->exit_least, 0) : settle_empty(w, at);
 }
 
-static int settle_small(const square_maker *w, texel_square at, const square_bound *bound, const square_list *l)
+static int settle_small(const square_maker *w, square_worker *worker, texel_square at, const square_bound *bound,
+                        const square_list *l)
 {
     square_parting p;
     if (dont_care_needs_next(&w->d->dont_care)) return 0; /* the additional don't-care voxels can only be found from texels */
     if (!square_settle(l, w->d->triangles, at, bound, w->d->nearest_back, &p)) return 0;
-    if (at.side == 8) return p.is_certain && settle(w, at, p.enter_most, p.exit_least, 0);
-    return settle(w, at, p.enter_most, p.exit_least, at.side); /* with less room its tiles are better: each has more room by
-                                                                  itself */
+    if (at.side == 8) return p.is_certain && settle(w, worker, at, p.enter_most, p.exit_least, 0);
+    /* with less room its tiles are better: each has more room by itself */
+    return settle(w, worker, at, p.enter_most, p.exit_least, at.side);
 }
 
 /* Compute a square from the bound of the larger one and its own list, which is used up. Returns 0 without memory. */
 static int make_square(const square_maker *w, square_worker *worker, texel_square at, square_bound bound, square_list *l)
 {
     if (!l->count) return settle_empty(w, at);
-    if (!w->d->every_texel && (at.side > SMALL_PX ? settle_large(w, at, &bound, l) : settle_small(w, at, &bound, l))) return 1;
+    if (!w->d->every_texel &&
+        (at.side > SMALL_PX ? settle_large(w, worker, at, &bound, l) : settle_small(w, worker, at, &bound, l)))
+        return 1;
     if (at.side == 8) {
         /* evaluate all texels; columns are not stored if one depth separates lit from shadowed */
         column_tile  *tile = next_tile(w, worker);
@@ -215,6 +225,7 @@ vxs_result sparse_square_make(sparse_square *q, const sparse_level *level, const
     threads = min_u32(max_u32(threads, 1), min_u32(tasks, PARALLEL_THREADS_MAX));
     if (!make_room(q, at, threads)) return VXS_E_MEMORY;
     q->scale = d->scale;
+    for (uint32_t n = 0; n < threads; n++) q->workers[n].exit_vx = 0;
     parallel_for(threads, tasks, 1, make_tasks, &w);
     if (w.out_of_memory) return VXS_E_MEMORY;
     bounds_pyramid_reduce(q->pyramid + square_level(w.task_px), across, threads);
