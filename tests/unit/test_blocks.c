@@ -799,7 +799,7 @@ static void packed_blocks(void **state)
         uint8_t    bytes[BLOCK_PACKED_MAX], others[BLOCK_PACKED_MAX];
         block      b, back;
         block_head head;
-        uint32_t   patterns[BLOCK_TILES], count = 0;
+        uint32_t   count = 0;
         memset(&b, 0, sizeof b);
         b.depths            = 1 + rng_below(&r, PALETTE_MAX);
         const uint32_t most = 1u << rng_below(&r, 17), shift = rng_below(&r, 3);
@@ -816,12 +816,13 @@ static void packed_blocks(void **state)
         assert_true(size <= BLOCK_PACKED_MAX && size % 8 == 0);
         block_unpack(&back, bytes);
         assert_memory_equal(&b, &back, sizeof b);
-        int with_pattern = block_patterns(bytes, &head, patterns);
-        assert_int_equal(with_pattern, __builtin_popcount(head.patterned));
+        const block_parts parts = block_parts_of(bytes);
+        head                    = parts.head;
+        assert_int_equal(head.patterns, __builtin_popcount(head.patterned));
         for (int t = 0; t < BLOCK_TILES; t++) {
             assert_int_equal(head.patterned >> t & 1, tile_has_pattern(&b.tile[t]));
             assert_int_equal(head.own >> t & 1, b.tile[t].kind == TILE_PRIVATE);
-            if (tile_has_pattern(&b.tile[t])) assert_int_equal(patterns[count++], b.tile[t].pattern);
+            if (tile_has_pattern(&b.tile[t])) assert_memory_equal(parts.pattern + 4 * count++, &b.tile[t].pattern, 4);
         }
         uint32_t shared[8], own[8], at;
         int32_t  private_base[8];

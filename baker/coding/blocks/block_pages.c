@@ -118,14 +118,17 @@ static int is_new(uint16_t *last, uint32_t page)
 /* Add to a page the patterns of a block that are not in it yet. */
 static void add_patterns(const layout *l, cutter *c, uint32_t page, page_size *size, uint32_t id)
 {
-    block_head head;
-    uint32_t   codes[BLOCK_TILES];
-    block_patterns(intern_at(&l->set->blocks, id), &head, codes);
-    for (uint32_t n = 0, rest = head.patterned; rest; n++, rest &= rest - 1) {
-        const int is_private = head.own >> __builtin_ctz(rest) & 1;
-        if (!is_new(&c->code[is_private][codes[n]], page)) continue;
-        size->halves += l->code_size[is_private][codes[n]];
-        c->fresh[c->fresh_count++] = (tile_code){is_private, codes[n]};
+    const uint8_t *from = intern_at(&l->set->blocks, id);
+    block_head     head;
+    memcpy(&head, from, sizeof head);
+    from += sizeof head;
+    for (uint32_t rest = head.patterned; rest; rest &= rest - 1, from += sizeof rest) {
+        const int is_private = (head.own & rest & -rest) != 0;
+        uint32_t  code;
+        memcpy(&code, from, sizeof code);
+        if (!is_new(&c->code[is_private][code], page)) continue;
+        size->halves += l->code_size[is_private][code];
+        c->fresh[c->fresh_count++] = (tile_code){is_private, code};
     }
 }
 

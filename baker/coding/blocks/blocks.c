@@ -135,13 +135,6 @@ void block_renumber(uint8_t *bytes, const uint32_t *shared, const uint32_t *priv
     }
 }
 
-int block_patterns(const uint8_t *bytes, block_head *head, uint32_t patterns[BLOCK_TILES])
-{
-    const uint8_t *from = take(head, bytes, sizeof *head);
-    memcpy(patterns, from, head->patterns * sizeof *patterns);
-    return head->patterns;
-}
-
 enum { BETWEEN_PASSES = 64 };
 
 vxs_result block_set_add_uniform(block_set *s, const uniform_square *u)

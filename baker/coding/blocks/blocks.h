@@ -74,9 +74,6 @@ void block_unpack(block *b, const uint8_t *bytes);
  * private-palette ones; NULL: nothing is added. */
 void block_renumber(uint8_t *bytes, const uint32_t *shared, const uint32_t *privates, const int32_t *private_base);
 
-/* Read only the patterns of tiles, in the order of the tiles.   patterns  [out] those of head->patterned. Returns their number */
-int block_patterns(const uint8_t *bytes, block_head *head, uint32_t patterns[BLOCK_TILES]);
-
 /* Palette blocks in the baker: nodes of 256 x 256 texels, blocks of 32 x 32, tiles of 8 x 8, patterns.
  *
  * The contract of a column is an interval, so an area of a map needs few different depths. A block has a palette of at most
