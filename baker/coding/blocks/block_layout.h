@@ -1,4 +1,4 @@
-/* State shared by the layout of a light's palette blocks as words. Only for block_layout.c, block_pages.c and block_layout.c.
+/* State shared by the layout of a light's palette blocks as words. Only for block_layout.c, block_pages.c and block_words.c.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef BLOCK_LAYOUT_H
 #define BLOCK_LAYOUT_H
@@ -11,8 +11,9 @@
 #include "formats/vxs_page.h"
 
 enum {
-    HEAD_WORDS  = 8, /* words before the table of pages */
-    CELL_LEVELS = 15 /* maps of this many levels or more have cells above the entries of the top */
+    HEAD_WORDS  = 8,    /* words before the table of pages */
+    FAR_BASE    = 8192, /* bases of private palettes from here on have words of their own */
+    CELL_LEVELS = 15    /* maps of this many levels or more have cells above the entries of the top */
 };
 
 /* Bit of cells and entries of the top: the square has one depth, in the other bits. */
@@ -103,6 +104,40 @@ static inline void shape_of(node_shape *shape, const layout *l, const node_place
         shape->fresh |= rest & -rest;
     }
     shape->fresh_count = (uint32_t)(to - fresh);
+}
+
+/* Number of depths of a node's record. */
+static inline uint32_t shape_depths(const node_shape *s)
+{
+    return s->mixed_count + s->fresh_count;
+}
+
+static inline int shape_is_wide(const node_shape *s)
+{
+    int wide = 0;
+    for (const uint32_t *d = s->parts + s->mixed_count, *end = d + shape_depths(s); d < end; d++)
+        wide |= *d != NEVER && *d > 0xfffe;
+    return wide;
+}
+
+/* Whether a base of a private palette does not fit into the word of its tile. */
+static inline int block_is_far(const block_parts *b)
+{
+    int far = 0;
+    for (uint32_t n = 0; n < b->head.owns; n++) {
+        int32_t base;
+        memcpy(&base, b->base + 4 * n, sizeof base);
+        far |= base < -FAR_BASE || base >= FAR_BASE;
+    }
+    return far;
+}
+
+/* Blocks are scattered in memory: ask for those of a node early. */
+static inline void layout_prefetch(const layout *l, const node_place *n)
+{
+    const packed_node *node = &l->set->nodes[n->node];
+    const uint32_t    *ids  = node_parts(l->set, node);
+    for (uint32_t k = 0; k < node->mixed_count; k++) __builtin_prefetch(intern_at(&l->set->blocks, ids[k]));
 }
 
 /* Words of a node's record. */
