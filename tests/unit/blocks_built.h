@@ -9,11 +9,11 @@
 #include "tests/columns/stored_maps.h"
 #include "tests/unit/random_maps.h"
 
-static inline vxs_result build_words(block_words *out, const column_map *maps, uint32_t map_count, uint32_t threads)
+static inline vxs_result build_words_for(block_words *out, const column_map *maps, uint32_t map_count, uint32_t threads, int fast)
 {
     run_context  m   = {0};
     bake_context ctx = {.run = &m, .threads = threads};
-    block_set    set = {0};
+    block_set    set = {.fast = fast};
     vxs_result   r   = VXS_OK;
     memset(out, 0, sizeof *out);
     for (uint32_t map = 0; map < map_count && r == VXS_OK; map++) r = block_build_map(&set, map, &maps[map], &ctx);
@@ -21,6 +21,11 @@ static inline vxs_result build_words(block_words *out, const column_map *maps, u
     block_set_free(&set);
     run_free(&m);
     return r;
+}
+
+static inline vxs_result build_words(block_words *out, const column_map *maps, uint32_t map_count, uint32_t threads)
+{
+    return build_words_for(out, maps, map_count, threads, 0);
 }
 
 static inline depth_maps random_maps(uint32_t side, uint32_t depth, map_kind kind, uint64_t seed)

@@ -239,6 +239,26 @@ static void deep_maps(void **state)
         }
 }
 
+/* Only pages of VXS_PACKING_FINE, which fine maps have, gain by depths of blocks beside: fast ones have fewer words without. */
+static void fast_pages_need_no_depths_beside(void **state)
+{
+    (void)state;
+    for (uint32_t levels = FINE_LEVELS - 1; levels <= FINE_LEVELS; levels++) {
+        uint32_t    side = 1u << levels;
+        depth_maps  d    = random_maps(256, side, MAPS_BOXES, 5);
+        islet       s    = {.maps = &d, .side_px = side, .fetch_px = 2048, .u_px = side / 2, .v_px = side - 256};
+        column_map  m    = islet_map(&s);
+        block_words fast, fine;
+        assert_int_equal(build_words_for(&fast, &m, 1, 1, 1), VXS_OK);
+        assert_int_equal(build_words_for(&fine, &m, 1, 1, 0), VXS_OK);
+        assert_columns(&fast, 0, levels, &d, s.u_px, s.v_px);
+        assert_int_equal(fast.count != fine.count || memcmp(fast.words, fine.words, 4 * (size_t)fine.count), levels >= FINE_LEVELS);
+        block_words_free(&fast);
+        block_words_free(&fine);
+        depth_maps_free(&d);
+    }
+}
+
 /* The same words, whatever is done at once. */
 static void threads_and_fetches(void **state)
 {
@@ -914,6 +934,7 @@ int main(void)
         cmocka_unit_test(every_kind_of_map),
         cmocka_unit_test(uniform_depths_behind_the_end),
         cmocka_unit_test(deep_maps),
+        cmocka_unit_test(fast_pages_need_no_depths_beside),
         cmocka_unit_test(threads_and_fetches),
         cmocka_unit_test(six_maps),
         cmocka_unit_test(sheets_are_planes),

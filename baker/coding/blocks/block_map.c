@@ -276,7 +276,7 @@ static vxs_result build_slot(void *user, uint32_t slot, const column_square *col
     map_builder *b     = user;
     uint32_t     nodes = max_u32((8u << level) / NODE_PX, 1);
     vxs_result   r     = VXS_OK;
-    b->batch[slot]     = (block_set){.patterns.cpu = b->cpu, .privates.cpu = b->cpu};
+    b->batch[slot]     = (block_set){.patterns.cpu = b->cpu, .privates.cpu = b->cpu, .fast = b->set->fast};
     for (uint32_t n = 0; n < nodes * nodes && r == VXS_OK; n++) {
         z_place at = z_order(n);
         run_control_wait();

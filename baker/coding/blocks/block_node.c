@@ -148,7 +148,7 @@ vxs_result block_build_node(block_set *s, const column_square *columns, uint32_t
     if (!b) return VXS_E_MEMORY;
     b->set     = s;
     b->columns = columns;
-    b->fine    = columns->depth_vx >> FINE_LEVELS != 0;
+    b->fine    = !s->fast && columns->depth_vx >> FINE_LEVELS != 0;
     b->tile_x  = NODE_TILES * x;
     b->tile_y  = NODE_TILES * y;
     b->node    = (block_node){.map = map, .x = map_x, .y = map_y, .emin = bounds.emin, .xmax = bounds.xmax};
