@@ -308,10 +308,36 @@ static void place_uniform(const node_builder *b, block *out, const palette_in *p
     }
 }
 
+/* Prepare ranges of tile n, relative to depth `from`, for planes through the block. Returns 0 if they are too far from it. */
+static int tile_on_block(plane_ranges *to, const node_builder *b, uint32_t n, int32_t from)
+{
+    const tile_in *t = &b->tile[n];
+    if (b->tile_emax[n] - t->shift - from >= PLANE_FREE / PLANE_ONE) return 0;
+    plane_ranges_of(to, &t->ranges, from + t->shift);
+    to->x = 8 * (int32_t)(n % 4);
+    to->y = 8 * (int32_t)(n / 4);
+    return 1;
+}
+
+/* Whether uniform tiles can be on the plane of all others, too: the block is then like its neighbours. Tiles of a slanted sheet are
+ * uniform here and there.   all  [out] 1: the plane was moved through all tiles */
+static vxs_result add_uniform(node_builder *b, plane *p, plane_ranges ranges[BLOCK_TILES], int32_t from, int *all)
+{
+    *all = 0;
+    if (b->columns->side_px < NODE_PX) return VXS_OK; /* some tiles are outside */
+    for (uint32_t rest = b->of_kind[TILE_UNIFORM]; rest; rest &= rest - 1) {
+        uint32_t   n = (uint32_t)__builtin_ctz(rest);
+        vxs_result r = fetch_tile(b, n, 4 * (b->number % 8) + n % 4, 4 * (b->number / 8) + n / 4);
+        if (r != VXS_OK || !tile_on_block(&ranges[n], b, n, from)) return r;
+    }
+    *all = plane_of_all(p, ranges);
+    return VXS_OK;
+}
+
 /* Find the tiles on a common plane; the following steps skip them.
  * p     [out] the plane, in voxels of the map
  * flat  [out] bits of tiles that may lie on a plane */
-static void find_plane(node_builder *b, plane *p, uint32_t *flat)
+static vxs_result find_plane(node_builder *b, plane *p, uint32_t *flat)
 {
     plane_ranges   ranges[BLOCK_TILES];
     const uint32_t patterned = b->of_kind[TILE_PATTERN];
@@ -324,22 +350,23 @@ static void find_plane(node_builder *b, plane *p, uint32_t *flat)
         even |= (uint32_t)tile_may_be_plane(&b->tile[n].ranges) << n;
     }
     *flat = even;
-    if (__builtin_popcount(even) < PLANE_TILES_MIN) return;
+    if (__builtin_popcount(even) < PLANE_TILES_MIN) return VXS_OK;
     for (uint32_t rest = patterned; rest; rest &= rest - 1) {
         uint32_t n = (uint32_t)__builtin_ctz(rest);
-        if (b->tile_emax[n] - b->tile[n].shift - from >= PLANE_FREE / PLANE_ONE) continue;
-        mixed |= 1u << n;
-        plane_ranges_of(&ranges[n], &b->tile[n].ranges, from + b->tile[n].shift);
-        ranges[n].x = 8 * (int32_t)(n % 4);
-        ranges[n].y = 8 * (int32_t)(n / 4);
+        mixed |= (uint32_t)tile_on_block(&ranges[n], b, n, from) << n;
     }
-    if (__builtin_popcount(even & mixed) < PLANE_TILES_MIN) return;
-    uint32_t on = plane_of_block(p, ranges, mixed, even & mixed, b->set->recent);
+    if (__builtin_popcount(even & mixed) < PLANE_TILES_MIN) return VXS_OK;
+    uint32_t   on  = plane_of_block(p, ranges, mixed, even & mixed, b->set->recent);
+    int        all = 0;
+    vxs_result r   = on && on == patterned ? add_uniform(b, p, ranges, from, &all) : VXS_OK;
+    if (r != VXS_OK) return r;
+    if (all) on = ALL_TILES;
     if (on) p->least += from * PLANE_ONE;
     if (p->least < PLANE_LEAST || p->least > PLANE_MOST) on = 0;
     if (!on) *p = (plane){0, 0, 0};
     set_kind(b, on, TILE_PLANE);
     b->set->tile_count += (uint32_t)__builtin_popcount(on);
+    return VXS_OK;
 }
 
 /* A depth in this range that a block has which is beside the current one; -1: none. */
@@ -418,7 +445,7 @@ vxs_result block_build(node_builder *b, uint32_t *id, int32_t *base)
     vxs_result r = fetch_block(b, b->number % 8, b->number / 8);
     if (r != VXS_OK) return r;
     memset(&out, 0, sizeof out);
-    find_plane(b, &out.plane, &flat);
+    if ((r = find_plane(b, &out.plane, &flat)) != VXS_OK) return r;
 
     /* Give tiles that lie on planes of their own these planes: three halves each, at any depth. */
     const uint32_t on = b->of_kind[TILE_PLANE];

@@ -481,3 +481,11 @@ uint32_t plane_of_block(plane *p, const plane_ranges tiles[16], uint32_t mixed, 
     remember(recent, *p);
     return best;
 }
+
+int plane_of_all(plane *p, const plane_ranges tiles[16])
+{
+    plane_room room;
+    if (!tiles_on_slopes(p, tiles, 0xffff, 15, &room)) return 0;
+    place(p, &room, BLOCK_PX);
+    return 1;
+}

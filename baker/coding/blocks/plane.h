@@ -65,6 +65,9 @@ plane plane_start(const plane_ranges *t);
  * Returns the bits of its tiles; 0: not worth it. */
 uint32_t plane_of_block(plane *p, const plane_ranges tiles[16], uint32_t mixed, uint32_t flat, plane recent[PLANES_RECENT]);
 
+/* Move a plane in depth until it passes through all 16 tiles. Returns 0 if there is no such depth; then *p stays as it is. */
+int plane_of_all(plane *p, const plane_ranges tiles[16]);
+
 /* Find two planes that pass through all texels of a tile of 8 x 8, each through its own texels.
  * second  [out] texels of the second plane
  * Returns 0 if none were found; 1 otherwise, with *second 0 if one plane is enough. */

@@ -456,12 +456,12 @@ static void round_depths(depth_scale s, const double depths[64], int up, uint32_
     *most  = (uint32_t)(up ? ceil(f64s_greatest(high)) : f64s_greatest(high));
 }
 
-/* Whether one depth separates lit from shadowed in all columns; sets the bounds if so. */
+/* Whether several depths separate lit from shadowed in all columns; sets the bounds if so. */
 static int is_parted(depth_scale s, const parting *p, column_bounds *b)
 {
     b->emin = b->emax = depth_down(s, depth_clamped(s, f64s_greatest(p->enter_most)));
     b->xmin = b->xmax = depth_up(s, depth_clamped(s, f64s_least(p->exit_least)));
-    return b->emax <= b->xmin;
+    return b->emax < b->xmin;
 }
 
 /* Arrays for the faces of a list. Returns 0 without memory. */

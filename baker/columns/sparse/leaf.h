@@ -30,8 +30,8 @@ typedef struct leaf_desc {
     dont_care_rules         dont_care;
 } leaf_desc;
 
-/* out     [out] the columns, unless one depth separates lit from shadowed in all of them
- * bounds  [out] of the columns; if one depth separates them, emin = emax <= xmin = xmax, and out is set only with every_texel
+/* out     [out] the columns, unless several depths separate lit from shadowed in all of them
+ * bounds  [out] of the columns; if several depths do, emin = emax < xmin = xmax, and out is set only with every_texel
  * Returns 0 without memory. */
 typedef int leaf_columns(leaf_scratch *s, const leaf_desc *d, const square_list *l, const square_bound *b, texel_square square,
                          column_tile *out, column_bounds *bounds);

@@ -143,7 +143,7 @@ static int settle_small(const square_maker *w, square_worker *worker, texel_squa
     square_parting p;
     if (dont_care_needs_next(&w->d->dont_care)) return 0; /* the additional don't-care voxels can only be found from texels */
     if (!square_settle(l, w->d->triangles, at, bound, w->d->nearest_back, &p)) return 0;
-    if (at.side == 8) return p.is_certain && settle(w, worker, at, p.enter_most, p.exit_least, 0);
+    if (at.side == 8) return p.is_certain && settle(w, worker, at, p.enter_most, p.exit_least, 1);
     /* with less room its tiles are better: each has more room by itself */
     return settle(w, worker, at, p.enter_most, p.exit_least, at.side);
 }
@@ -156,12 +156,13 @@ static int make_square(const square_maker *w, square_worker *worker, texel_squar
         (at.side > SMALL_PX ? settle_large(w, worker, at, &bound, l) : settle_small(w, worker, at, &bound, l)))
         return 1;
     if (at.side == 8) {
-        /* evaluate all texels; columns are not stored if one depth separates lit from shadowed */
+        /* evaluate all texels; columns are not stored if several depths separate lit from shadowed. A sheet that happens to leave
+         * one may lie on a plane with its neighbours */
         column_tile  *tile = next_tile(w, worker);
         column_bounds b;
         if (!tile || !w->level->leaf(&worker->leaf, w->d, l, &bound, at, tile, &b)) return 0;
         set_bounds(w->q, at, b);
-        if (b.emax <= b.xmin && !w->d->every_texel) return 1;
+        if (b.emax < b.xmin && !w->d->every_texel) return 1;
         w->q->tiles[tile_at(w->q, at)] = tile;
         worker->pages->count++;
         return 1;
