@@ -12,15 +12,18 @@
 #endif
 
 enum {
-    ALL_TILES         = (1 << BLOCK_TILES) - 1,
-    PAIR_FROM         = 6, /* a tile that needs this many depths gets two planes, if it is on two */
-    SLANTED_TILES     = 4, /* tiles on planes in a slanted block */
-    PAIR_FROM_SLANTED = 4, /* a tile that needs so many */
-    NO_ENTRY          = 0xff,
-    PALETTE_LANES     = 16,         /* room for a palette in whole vectors */
-    PLANE_LEAST       = -(1 << 25), /* limit for which a plane's least depth can be stored relative to any block's base */
-    PLANE_MOST        = (1 << 26) + (1 << 22)
+    ALL_TILES     = (1 << BLOCK_TILES) - 1,
+    MASK_FROM     = 6, /* a tile that needs fewer depths gets no two planes with a mask */
+    SLANTED_TILES = 4, /* tiles on planes in a slanted block */
+    NO_ENTRY      = 0xff,
+    PALETTE_LANES = 16,         /* room for a palette in whole vectors */
+    PLANE_LEAST   = -(1 << 25), /* limit for which a plane's least depth can be stored relative to any block's base */
+    PLANE_MOST    = (1 << 26) + (1 << 22)
 };
+
+/* A tile that needs this many depths gets two planes, if it is on two: [fine pages][slanted block]. Fine pages repeat patterns for
+ * little: there, planes of few depths cost time and save no bytes. */
+static const uint8_t pair_from_of[2][2] = {{6, 4}, {PRIVATE_FROM, 6}};
 
 /* tiles ----------------------------------------------------------------------------------------------------------------------- */
 
@@ -199,7 +202,7 @@ static int needs_few(const node_builder *b, uint32_t tile, const stab_group *gro
 static int fit_pair(tile_in *t)
 {
     private_plane_pair(&t->plane, &t->ranges);
-    if (t->plane.count > PRIVATE_PAIR_HALVES && t->depths < PAIR_FROM) t->plane.count = 0;
+    if (t->plane.count > PRIVATE_PAIR_HALVES && t->depths < MASK_FROM) t->plane.count = 0;
     return t->plane.count != 0;
 }
 
@@ -253,7 +256,7 @@ static void give_most_private(node_builder *b)
 static int block_groups(node_builder *b, stab_group groups[PALETTE_MAX + 1])
 {
     int slanted   = __builtin_popcount(b->of_kind[TILE_PLANE] | b->of_kind[TILE_PRIVATE]) >= SLANTED_TILES;
-    int pair_from = slanted ? PAIR_FROM_SLANTED : PAIR_FROM;
+    int pair_from = pair_from_of[b->fine][slanted];
     for (int counted = 0;;) {
         intervals s; /* 4 KiB; only the count needs to be initialized */
         s.count = 0;
