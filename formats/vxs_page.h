@@ -120,9 +120,10 @@ vxs_result vxs_resident_sizes_of(vxs_resident_sizes *sizes, const uint8_t *bytes
  * out        arrays of the caller, with the sizes from vxs_resident_sizes_of; their content is undefined after an error
  * levels     of the light, 3..18
  * map_count  1..6
+ * packing    of the light: VXS_PACKING_SMALL or VXS_PACKING_FINE
  * Returns as vxs_page_decode. No allocation. Threads: any, each with its own scratch. */
-vxs_result vxs_resident_decode(vxs_resident *out, uint32_t levels, uint32_t map_count, const uint8_t *bytes, size_t size_bytes,
-                               vxs_page_scratch *scratch);
+vxs_result vxs_resident_decode(vxs_resident *out, uint32_t levels, uint32_t map_count, uint32_t packing, const uint8_t *bytes,
+                               size_t size_bytes, vxs_page_scratch *scratch);
 
 /* The nodes of a light's pages, as a decoder finds them in the resident part. Release both arrays with free. */
 typedef struct vxs_page_nodes {

@@ -42,8 +42,8 @@ vxs_result vxs_resident_sizes_of(vxs_resident_sizes *sizes, const uint8_t *bytes
     return VXS_OK;
 }
 
-vxs_result vxs_resident_decode(vxs_resident *out, uint32_t levels, uint32_t map_count, const uint8_t *bytes, size_t size_bytes,
-                               vxs_page_scratch *scratch)
+vxs_result vxs_resident_decode(vxs_resident *out, uint32_t levels, uint32_t map_count, uint32_t packing, const uint8_t *bytes,
+                               size_t size_bytes, vxs_page_scratch *scratch)
 {
     vxs_resident_sizes sizes;
     vxs_result         result = vxs_resident_sizes_of(&sizes, bytes, size_bytes);
@@ -69,7 +69,7 @@ vxs_result vxs_resident_decode(vxs_resident *out, uint32_t levels, uint32_t map_
     memset(out->words, 0, sizes.word_count * sizeof *out->words);
     if (!code_resident(&r, NULL)) return VXS_E_CORRUPT;
     if (r.w.c.in != end || r.w.c.now != STATE_LEAST || r.w.c.next != STATE_LEAST) return VXS_E_CORRUPT;
-    out->common = (vxs_common){out->words + out->words[1], r.w.half - 2 * out->words[1], out->patterns, {0}, 0};
+    out->common = (vxs_common){out->words + out->words[1], r.w.half - 2 * out->words[1], out->patterns, {0}, packing};
     memcpy(out->common.first, r.first, sizeof r.first);
     return VXS_OK;
 }

@@ -44,7 +44,8 @@ int vxs_read_resident(vxs_paged_light *light, const vxs_resident_sizes *sizes, c
     vxs_result r = light->packing == VXS_PACKING_FAST
                        ? vxs_resident_unpack(&light->resident, &light->marks, light->levels, light->map_count, bytes, size_bytes,
                                              light->inflated, tools->zstd)
-                       : vxs_resident_decode(&light->resident, light->levels, light->map_count, bytes, size_bytes, tools->scratch);
+                       : vxs_resident_decode(&light->resident, light->levels, light->map_count, light->packing, bytes, size_bytes,
+                                             tools->scratch);
 
     light->resident.common.packing = light->packing;
     return r == VXS_OK ? 0 : 501;

@@ -96,7 +96,7 @@ static void read_page(const uint8_t *data, size_t size)
     free(bytes);
 }
 
-static void read_resident(uint32_t levels, const uint8_t *data, size_t size)
+static void read_resident(uint32_t levels, uint32_t packing, const uint8_t *data, size_t size)
 {
     uint8_t           *bytes = copy_of(data, size);
     vxs_resident_sizes sizes;
@@ -106,7 +106,7 @@ static void read_resident(uint32_t levels, const uint8_t *data, size_t size)
                           .nodes      = malloc(sizes.node_count * sizeof *o.nodes + 1),
                           .page_first = malloc((sizes.page_count + 1) * sizeof *o.page_first),
                           .patterns   = malloc(sizes.pattern_count * sizeof *o.patterns + 1)};
-        result         = vxs_resident_decode(&o, levels, 1, bytes, size, scratch);
+        result         = vxs_resident_decode(&o, levels, 1, packing, bytes, size, scratch);
         FUZZ_CHECK(result == VXS_OK || result == VXS_E_TRUNCATED || result == VXS_E_CORRUPT);
         checked_words pool = {o.common.words, result == VXS_OK ? o.common.half_count : 0};
         int           good = 1;
@@ -131,7 +131,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (!started) started = start();
     if (size < 2) return 0;
     if (data[0] & 1)
-        read_resident(3 + (data[0] >> 1) % 15, data + 1, size - 1);
+        read_resident(3 + (data[0] >> 1) % 15, data[0] >> 7 ? VXS_PACKING_FINE : VXS_PACKING_SMALL, data + 1, size - 1);
     else
         read_page(data + 1, size - 1);
     return 0;

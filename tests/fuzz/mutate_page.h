@@ -40,9 +40,7 @@ static int light_pages_read(light_pages *l, uint32_t levels, uint32_t map_count,
                                  .page_first = malloc((l->sizes.page_count + 1) * sizeof(uint32_t)),
                                  .patterns   = malloc((l->sizes.pattern_count + 1) * sizeof(uint32_t))};
     FUZZ_CHECK(l->scratch && l->resident.words && l->resident.nodes && l->resident.page_first && l->resident.patterns);
-    if (vxs_resident_decode(&l->resident, levels, map_count, bytes, size, l->scratch) != VXS_OK) return 0;
-    l->resident.common.packing = packing;
-    return 1;
+    return vxs_resident_decode(&l->resident, levels, map_count, packing, bytes, size, l->scratch) == VXS_OK;
 }
 
 /* Halves of a page that are numbers of planes. */

@@ -148,7 +148,7 @@ static size_t assert_coded(const block_words *w, uint32_t levels, uint32_t map_c
                          .nodes      = calloc(sizes.node_count + 1, sizeof *back.nodes),
                          .page_first = calloc(pages + 1, sizeof *back.page_first),
                          .patterns   = calloc(sizes.pattern_count + 1, sizeof *back.patterns)};
-    assert_int_equal(vxs_resident_decode(&back, levels, map_count, bytes.data, bytes.size_bytes, scratch), VXS_OK);
+    assert_int_equal(vxs_resident_decode(&back, levels, map_count, common.packing, bytes.data, bytes.size_bytes, scratch), VXS_OK);
     memcpy(back.words + 8, w->words + 8, pages * sizeof *w->words); /* where pages start is not coded */
     assert_memory_equal(back.words, w->words, resident_words * sizeof *w->words);
     for (uint32_t p = 0; p < pages; p++) {

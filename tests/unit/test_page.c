@@ -20,8 +20,8 @@ uint32_t   plain_word_count(const uint8_t *bytes, size_t size_bytes);
 vxs_result plain_decode(uint32_t *words, const uint8_t *bytes, size_t size_bytes, const vxs_page_node *nodes, uint32_t node_count,
                         const vxs_common *common, vxs_page_scratch *scratch);
 vxs_result plain_sizes_of(vxs_resident_sizes *sizes, const uint8_t *bytes, size_t size_bytes);
-vxs_result plain_resident_decode(vxs_resident *out, uint32_t levels, uint32_t map_count, const uint8_t *bytes, size_t size_bytes,
-                                 vxs_page_scratch *scratch);
+vxs_result plain_resident_decode(vxs_resident *out, uint32_t levels, uint32_t map_count, uint32_t packing, const uint8_t *bytes,
+                                 size_t size_bytes, vxs_page_scratch *scratch);
 
 #undef __SSE2__
 #define vxs_page_scratch_bytes plain_scratch_bytes
@@ -290,8 +290,8 @@ static void nodes_must_be_where_the_top_says(void **state)
 
 /* the resident part ------------------------------------------------------------------------------------------------------------ */
 
-static vxs_result resident_decode(vxs_resident *o, vxs_resident_sizes *sizes, const light_sample *l, const uint8_t *bytes,
-                                  size_t size, int plain)
+static vxs_result resident_decode(vxs_resident *o, vxs_resident_sizes *sizes, const light_sample *l, uint32_t packing,
+                                  const uint8_t *bytes, size_t size, int plain)
 {
     uint8_t *exact = malloc(size ? size : 1);
     memcpy(exact, bytes, size);
@@ -302,7 +302,7 @@ static vxs_result resident_decode(vxs_resident *o, vxs_resident_sizes *sizes, co
         o->nodes      = malloc(sizes->node_count * sizeof *o->nodes + 1);
         o->page_first = malloc((sizes->page_count + 1) * 4);
         o->patterns   = malloc(sizes->pattern_count * sizeof *o->patterns + 1);
-        result        = (plain ? plain_resident_decode : vxs_resident_decode)(o, l->levels, l->map_count, exact, size, scratch);
+        result = (plain ? plain_resident_decode : vxs_resident_decode)(o, l->levels, l->map_count, packing, exact, size, scratch);
     } else if (result == VXS_OK)
         result = VXS_E_CORRUPT;
     free(exact);
@@ -360,7 +360,7 @@ static void resident_parts_come_back(void **state)
         for (int plain = 0; plain < 2; plain++) {
             vxs_resident       o;
             vxs_resident_sizes sizes;
-            assert_int_equal(resident_decode(&o, &sizes, &l, bytes.data, bytes.size_bytes, plain), VXS_OK);
+            assert_int_equal(resident_decode(&o, &sizes, &l, common.common.packing, bytes.data, bytes.size_bytes, plain), VXS_OK);
             assert_int_equal(sizes.word_count, l.word_count);
             assert_int_equal(sizes.node_count, l.node_count);
             assert_int_equal(sizes.page_count, l.page_count);
@@ -408,7 +408,7 @@ static void damaged_resident_parts_do_no_harm(void **state)
                 bit = (n - bytes.size_bytes / step) * step;
                 bytes.data[bit / 8] ^= (uint8_t)(1 << bit % 8);
             }
-            vxs_result result = resident_decode(&o, &sizes, &l, bytes.data, size, 0);
+            vxs_result result = resident_decode(&o, &sizes, &l, common.common.packing, bytes.data, size, 0);
             assert_true(result == VXS_OK || result == VXS_E_TRUNCATED || result == VXS_E_CORRUPT);
             if (result == VXS_OK) check_tops(&o, &sizes, &l);
             resident_free(&o);
@@ -450,7 +450,8 @@ static void min_is_not_above_max(void **state)
         if (made == VXS_OK) assert_int_equal(bytes.size_bytes, BYTES);
         if (made == VXS_OK) assert_memory_equal(bytes.data, entries[n].bytes, BYTES);
         for (int plain = 0; plain < 2; plain++) {
-            assert_int_equal(resident_decode(&o, &sizes, &l, entries[n].bytes, BYTES, plain), min > max ? VXS_E_CORRUPT : VXS_OK);
+            assert_int_equal(resident_decode(&o, &sizes, &l, VXS_PACKING_SMALL, entries[n].bytes, BYTES, plain),
+                             min > max ? VXS_E_CORRUPT : VXS_OK);
             resident_free(&o);
         }
         free(bytes.data);

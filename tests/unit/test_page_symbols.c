@@ -19,8 +19,8 @@ uint32_t   drawn_word_count(const uint8_t *bytes, size_t size_bytes);
 vxs_result drawn_decode(uint32_t *words, const uint8_t *bytes, size_t size_bytes, const vxs_page_node *nodes, uint32_t node_count,
                         const vxs_common *common, vxs_page_scratch *scratch);
 vxs_result drawn_sizes_of(vxs_resident_sizes *sizes, const uint8_t *bytes, size_t size_bytes);
-vxs_result drawn_resident_decode(vxs_resident *out, uint32_t levels, uint32_t map_count, const uint8_t *bytes, size_t size_bytes,
-                                 vxs_page_scratch *scratch);
+vxs_result drawn_resident_decode(vxs_resident *out, uint32_t levels, uint32_t map_count, uint32_t packing, const uint8_t *bytes,
+                                 size_t size_bytes, vxs_page_scratch *scratch);
 
 #define PAGE_ENCODING    0
 #define code_nibble      real_code_nibble
@@ -350,8 +350,8 @@ static vxs_result decode_resident_list(const coded_end *end)
     uint8_t               bytes[32] = {sizeof light / sizeof *light};
     given                           = all;
     taken_count                     = 0;
-    vxs_result result               = drawn_resident_decode(&out, 8, 1, bytes, put_end(bytes, 16, end), &scratch);
-    given                           = NULL;
+    vxs_result result = drawn_resident_decode(&out, 8, 1, VXS_PACKING_SMALL, bytes, put_end(bytes, 16, end), &scratch);
+    given             = NULL;
     return result;
 }
 
