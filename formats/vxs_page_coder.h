@@ -61,8 +61,9 @@ enum { ODDS_BITS = 15, ODDS_ONE = 1 << ODDS_BITS, STATE_LEAST = 1 << 16 };
 
 /* odds ------------------------------------------------------------------------------------------------------------------------- */
 
+/* 36 bytes: loads of vectors that are not aligned are as fast, and a third more odds fit in the cache. */
 typedef struct nibble_odds {
-    _Alignas(16) uint16_t from[17]; /* from[0] is 0; ascending; from[16] is ODDS_ONE */
+    uint16_t from[17]; /* from[0] is 0; ascending; from[16] is ODDS_ONE */
     uint16_t seen;
 } nibble_odds;
 
@@ -88,7 +89,7 @@ typedef struct nibble {
 PAGE_INLINE nibble nibble_at(const nibble_odds *odds, uint32_t at)
 {
     const __m128i *from = (const __m128i *)odds->from, all = _mm_set1_epi16((int16_t)at);
-    return (nibble){_mm_cmpgt_epi16(_mm_load_si128(from), all), _mm_cmpgt_epi16(_mm_load_si128(from + 1), all)};
+    return (nibble){_mm_cmpgt_epi16(_mm_loadu_si128(from), all), _mm_cmpgt_epi16(_mm_loadu_si128(from + 1), all)};
 }
 
 /* The same for a symbol that is known. */
@@ -115,9 +116,9 @@ PAGE_INLINE __m128i shift_right(__m128i x, uint32_t bits)
 
 PAGE_INLINE void learn_eight(__m128i *from, __m128i numbers, __m128i behind, uint32_t rate)
 {
-    __m128i sums = _mm_load_si128(from);
+    __m128i sums = _mm_loadu_si128(from);
     __m128i way  = _mm_add_epi16(_mm_sub_epi16(numbers, sums), _mm_and_si128(behind, _mm_set1_epi16(REST)));
-    _mm_store_si128(from, _mm_add_epi16(sums, shift_right(way, rate)));
+    _mm_storeu_si128(from, _mm_add_epi16(sums, shift_right(way, rate)));
 }
 
 PAGE_INLINE void nibble_learn(nibble_odds *odds, nibble behind, uint32_t rate)
