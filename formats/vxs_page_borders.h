@@ -22,7 +22,7 @@ enum {
     LATELY_KEPT  = 64, /* number of patterns of planes used last */
     COLUMNS_KEPT = 64, /* columns, and rows, of squares with a stored border */
     BORDERS_KEPT = 1024,
-    PATTERN_SETS = 1024, /* contexts of patterns */
+    PATTERN_SETS = 4096, /* contexts of patterns */
     USED_SETS    = 8192, /* contexts of the entries that a tile uses */
 };
 
@@ -63,6 +63,7 @@ typedef struct walk {
     uint32_t          listed[LISTS], chunks;
     int               fine;             /* whether the page is of VXS_PACKING_FINE */
     uint32_t          last_shift;       /* of a palette */
+    int16_t           corner;           /* beside the current block or tile: above[x0 - 1] before the one on its left was drawn */
     int32_t           slope_x, slope_y; /* of the last node */
     sheet sheet_above[NODE_PX / TILE_PX], sheet_left[NODE_PX / TILE_PX], last_plane, last_private; /* of a block, of a pattern */
     const uint32_t *source;       /* [word_count] encoder only, like the next two: the page to code */
@@ -108,6 +109,16 @@ PAGE_INLINE uint32_t varied(const int16_t *p, uint32_t count)
     for (uint32_t n = 1; n < count; n++) other |= (uint32_t)(p[n] != p[0]);
     return other;
 #endif
+}
+
+/* How often the depth changes along the sides of a block, above it and on its left: a class, 0..7. */
+static uint32_t changes_beside(const walk *w, uint32_t x0, uint32_t y0)
+{
+    static const uint8_t class[16] = {0, 1, 2, 3, 4, 4, 5, 5, 5, 6, 6, 6, 6, 6, 6, 7};
+    const int16_t *above = w->above + 8 + x0, *left = w->left + y0;
+    uint32_t       count = 0;
+    for (uint32_t n = 1; n < BLOCK_PX; n++) count += (uint32_t)(above[n] != above[n - 1]) + (uint32_t)(left[n] != left[n - 1]);
+    return class[count < 15 ? count : 15];
 }
 
 /* A bit for each of 16 depths: whether it equals `depth`. */
@@ -157,6 +168,14 @@ PAGE_INLINE uint32_t likeness(uint32_t left, uint32_t above, uint32_t none)
 {
     static const uint8_t alike[8] = {4, 1, 2, 0, 3, 1, 2, 0}; /* bits: left is none, above is none, both are equal */
     return alike[(uint32_t)(left == none) | (uint32_t)(above == none) << 1 | (uint32_t)(left == above) << 2];
+}
+
+/* Which depths are alike on the left of a square, above it, at its corner, and behind those above it: 0..11. */
+PAGE_INLINE uint32_t corner_context(const walk *w, uint32_t x0, uint32_t y0, uint32_t side_px)
+{
+    int16_t left = w->left[y0], above = w->above[8 + x0], behind = w->above[8 + x0 + side_px];
+    if (!w->fine) return 0;
+    return (uint32_t)(w->corner == left) + 2 * (uint32_t)(w->corner == above) + (behind == above ? 0 : behind == left ? 4 : 8);
 }
 
 /* The least of `depth ^ flip` for the depths on the left of a square and above it; INT16_MAX: none. NEVER, which is -1, is

@@ -56,6 +56,7 @@ vxs_result vxs_resident_decode(vxs_resident *out, uint32_t levels, uint32_t map_
                         .odds       = &scratch->odds,
                         .s          = scratch,
                         .words      = out->words,
+                        .fine       = packing == VXS_PACKING_FINE,
                         .word_count = sizes.word_count},
          .odds       = &odds,
          .levels     = levels,

@@ -123,7 +123,7 @@ vxs_result vxs_resident_encode(vxs_bytes *out, vxs_page_nodes *nodes, const uint
     *nodes = (vxs_page_nodes){0};
     if (word_count < RESIDENT_WORDS || words[0] > VXS_PAGES_MAX) return VXS_E_ARGUMENT;
     top_odds      odds;
-    resident_walk r   = {.w             = {.source = words, .word_count = word_count},
+    resident_walk r   = {.w             = {.source = words, .word_count = word_count, .fine = common->packing == VXS_PACKING_FINE},
                          .odds          = &odds,
                          .levels        = levels,
                          .map_count     = map_count,

@@ -53,7 +53,8 @@ static int code_palette(walk *w, block *b, uint32_t *form, uint32_t *delta, uint
     coder     *c    = &w->c;
     page_odds *odds = w->odds;
     uint32_t   head = source_word(w, b->from + 1) >> 16, last = 0;
-    b->entries = code_nibble(c, &odds->entries[b->plane.tiles ? 4 : b->class], head & 15) + 1;
+    uint32_t   many = w->fine ? changes_beside(w, x0, y0) : 0;
+    b->entries      = code_nibble(c, &odds->entries[b->plane.tiles ? 4 : b->class][many], head & 15) + 1;
     if (b->entries > PALETTE_MAX) return 0;
     b->class       = b->entries <= 2 ? b->entries - 1 : b->entries < 5 ? 2 : b->entries < 9 ? 3 : 4;
     uint32_t shift = head >> 4 & 15, width = head >> 8 & 3, far = head >> 10 & 1;
@@ -85,7 +86,8 @@ static int code_palette(walk *w, block *b, uint32_t *form, uint32_t *delta, uint
             value = source_word(w, deltas_at + byte / 4) >> 8 * (byte & 3) & (width == 0 ? 0xff : width == 1 ? 0xffff : ~0u);
             if (value <= last || value >= end) return 0;
         }
-        uint32_t kind = w->fine ? 7 * (2 * (shift < 3 ? shift : 3) + is_last) + (step < 6 ? step : 6) : 2 * shift + (n > 0);
+        uint32_t kind = w->fine ? 7 * (2 * (shift < 3 ? shift : 3) + is_last) + (step < 6 ? step : 6) + 56 * (b->class - 1)
+                                : 2 * shift + (n > 0);
         uint32_t met  = is_last && width < 2 && w->fine ? code_last_depth(w, b->base, shift, last, value, end, x0, y0) : 0;
         value         = met ? met - last - 1
                             : code_step(c, width == 2 ? &odds->delta_wide : &odds->delta[kind], odds->round, last, value - last - 1);
@@ -125,7 +127,9 @@ static int code_row(walk *w, block *b, uint32_t y, uint32_t x0, uint32_t y0, uin
 /* All tiles of a block, unless all are on the plane. */
 static int code_tiles(walk *w, block *b, uint32_t x0, uint32_t y0)
 {
-    uint32_t last = 16;
+    const int16_t *left      = w->left + y0;
+    int16_t        corner[4] = {w->corner, left[TILE_PX - 1], left[2 * TILE_PX - 1], left[3 * TILE_PX - 1]}; /* of rows */
+    uint32_t       last      = 16;
     for (uint32_t y = 0; y < 4; y++) {
         uint32_t on, mixed = 0, y1 = y0 + 8 * y;
         if (!code_row(w, b, y, x0, y1, &on, &mixed)) return 0;
@@ -134,6 +138,8 @@ static int code_tiles(walk *w, block *b, uint32_t x0, uint32_t y0)
         if (count_bits(b->mixed) > w->node_words - b->tiles) return 0;
         for (uint32_t x = 0; x < 4; x++) {
             uint32_t t = x + 4 * y, x1 = x0 + 8 * x;
+            w->corner = corner[y];
+            corner[y] = w->above[8 + x1 + TILE_PX - 1];
             if (on >> x & 1)
                 draw_sheet(w, sheet_from(b->sheet, 8 * (int32_t)x, 8 * (int32_t)y), x1, y1);
             else if (!(mixed >> x & 1 ? code_mixed_tile(w, b, t, x1, y1) : code_uniform_tile(w, b, t, x1, y1, &last)))
@@ -311,23 +317,21 @@ static uint64_t code_node_mixed(walk *w, uint64_t source)
     return mixed;
 }
 
-/* Which depths are alike on the left of a block, above it, at its corner, and behind those above it. */
-static uint32_t corner_context(const walk *w, int16_t corner, uint32_t x0, uint32_t y0)
+/* How many of a node's uniform blocks to come have a fresh depth: all, half, an eighth, fewer. */
+PAGE_INLINE uint32_t fresh_share(uint32_t fresh, uint32_t blocks)
 {
-    int16_t left = w->left[y0], above = w->above[8 + x0], behind = w->above[8 + x0 + BLOCK_PX];
-    if (!w->fine) return 0;
-    return (uint32_t)(corner == left) + 2 * (uint32_t)(corner == above) + (behind == above ? 0 : behind == left ? 4 : 8);
+    return (uint32_t)(fresh < blocks) + (uint32_t)(2 * fresh < blocks) + (uint32_t)(8 * fresh < blocks);
 }
 
-/* Depth of a uniform block.   last  depth of the previous uniform block */
-static uint32_t code_uniform_block(walk *w, int wide, uint32_t last, uint32_t depth, int16_t corner, uint32_t x0, uint32_t y0)
+/* Depth of a uniform block.   last  depth of the previous uniform block;   share  fresh_share */
+static uint32_t code_uniform_block(walk *w, int wide, uint32_t last, uint32_t depth, uint32_t share, uint32_t x0, uint32_t y0)
 {
     uint32_t left = (uint16_t)w->left[y0], above = (uint16_t)w->above[8 + x0], low = depth & 0xffff, high = 0, symbol = 0;
     uint32_t k =
         (left == above) | (uint32_t)((last & 0xffff) == left || (last & 0xffff) == above) << 1 | (uint32_t)(left == NEVER) << 2;
     if (PAGE_ENCODING) symbol = low == left ? 0 : low == above ? 1 : low == (last & 0xffff) ? 2 : low == NEVER ? 3 : 4;
     if (w->fine) k += 8 * (uint32_t)((last & 0xffff) == left);
-    symbol = code_nibble(&w->c, &w->odds->depth_like[k][corner_context(w, corner, x0, y0)], symbol);
+    symbol = code_nibble(&w->c, &w->odds->depth_like[share][k][corner_context(w, x0, y0, BLOCK_PX)], symbol);
     if (symbol >= 4) {
         uint32_t like = left != NEVER ? left : above != NEVER ? above : 0;
         low           = (like + (uint32_t)code_signed(&w->c, &w->odds->depth, (int16_t)(low - like))) & 0xffff;
@@ -354,8 +358,8 @@ static int code_node(walk *w, const vxs_page_node *node)
     open_borders(w, node, nx, ny);
     mixed                = code_node_mixed(w, mixed);
     uint32_t mixed_count = count_bits((uint32_t)mixed) + count_bits((uint32_t)(mixed >> 32));
-    uint32_t fresh_count =
-        code_number(&w->c, &w->odds->fresh_count, count_bits((uint32_t)fresh) + count_bits((uint32_t)(fresh >> 32)));
+    uint32_t uniform = 64 - mixed_count, fresh_count = count_bits((uint32_t)fresh) + count_bits((uint32_t)(fresh >> 32));
+    fresh_count   = code_number(&w->c, &w->odds->fresh_count, fresh_count);
     uint32_t size = wide ? 2 : 1;
     if (mixed_count + fresh_count > 64) return 0;
     uint32_t halves = NODE_HALVES + mixed_count + size * (mixed_count + fresh_count);
@@ -368,8 +372,8 @@ static int code_node(walk *w, const vxs_page_node *node)
     fresh                = 0;
     for (uint32_t n = 0; n < 64; n++) {
         uint32_t x0 = n % 8 * BLOCK_PX, y0 = n / 8 * BLOCK_PX;
-        int16_t  corner = n % 8 ? next_corner : w->left[y0];
-        next_corner     = w->above[8 + x0 + BLOCK_PX - 1];
+        w->corner   = n % 8 ? next_corner : w->left[y0];
+        next_corner = w->above[8 + x0 + BLOCK_PX - 1];
         if (mixed >> n & 1) {
             uint32_t at = from + (ref_at - 2 * start), ref = source_half(w, at), base_half = from + (base_at - 2 * start);
             uint32_t base = source_half(w, base_half) | (wide ? source_half(w, base_half + 1) << 16 : 0);
@@ -383,7 +387,11 @@ static int code_node(walk *w, const vxs_page_node *node)
             uint32_t fresh_here = source_half(w, from + 4 + n / 16) >> n % 16 & 1, at = from + (depth_at - 2 * start);
             depth = fresh_here ? source_half(w, at) | (wide ? source_half(w, at + 1) << 16 : 0) : last;
         }
-        depth = code_uniform_block(w, wide, last, depth, corner, x0, y0);
+        uint32_t rest = (depth_end - depth_at) / size; /* fresh depths to come */
+        if (w->fine && !rest)
+            depth = last;
+        else
+            depth = code_uniform_block(w, wide, last, depth, w->fine ? fresh_share(rest, uniform--) : 0, x0, y0);
         draw_uniform(w, x0, y0, BLOCK_PX, (int16_t)depth);
         if (met && depth == last) continue;
         if (wide && depth >= DEPTH_END && depth != ~0u) return 0;
@@ -407,13 +415,13 @@ static int code_node(walk *w, const vxs_page_node *node)
 /* Start without any known records. */
 static void start_page(walk *w)
 {
-    start_odds(w->odds);
+    w->fine = w->common->packing == VXS_PACKING_FINE;
+    start_odds(w->odds, w->fine);
     memset(w->s->below_of, 0, sizeof w->s->below_of);
     memset(w->s->right_of, 0, sizeof w->s->right_of);
     memset(w->s->border_ref, 0, sizeof w->s->border_ref);
     memset(w->s->pattern_set, 0, sizeof w->s->pattern_set);
     memset(w->s->used_set, 0, sizeof w->s->used_set);
-    w->fine = w->common->packing == VXS_PACKING_FINE;
     w->half = 2 * w->node_words;
 }
 

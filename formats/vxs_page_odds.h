@@ -89,7 +89,7 @@ typedef struct plane_odds {
 /* Consists only of nibble_odds, so that it can be used as one array. */
 typedef struct page_odds {
     /* nodes */
-    nibble_odds node_mixed[64], depth_like[16][12];
+    nibble_odds node_mixed[64], depth_like[4][16][12];
     nibble_odds wide, same_slope, no_slope;
     signed_odds slope, depth;
     number_odds high, fresh_count;
@@ -97,10 +97,10 @@ typedef struct page_odds {
     nibble_odds block_found[5];
     number_odds block;
     signed_odds base[3][4];
-    nibble_odds entries[5], delta_form[6][4], delta_shift, delta_width, last_depth[4];
-    number_odds delta[56], delta_wide;
+    nibble_odds entries[5][8], delta_form[6][4], delta_shift, delta_width, last_depth[4];
+    number_odds delta[224], delta_wide;
     nibble_odds round[13], private_round[13];
-    nibble_odds block_mixed[5][64], index[5][3];
+    nibble_odds block_mixed[5][64], index[5][3][12];
     nibble_odds on_plane[9], plane_like[9], row_on_plane[64], row_mixed[5][16], least_zeros[2];
     plane_odds  block_plane;
     signed_odds plane_least[2][3];
@@ -155,7 +155,43 @@ static void start_differs(nibble_odds *odds, uint32_t k)
     start_four(odds, low, high);
 }
 
-static void start_odds(page_odds *odds)
+/* Odds of so many numbers: bits behind the leading one start with even odds of those that there are. */
+static void start_numbers(number_odds *odds, size_t count)
+{
+    for (uint32_t size = 1; size <= 4; size++) {
+        uint32_t weight[16];
+        for (uint32_t n = 0; n < 16; n++) weight[n] = n >> size ? 0 : 1u << (32 - size);
+        nibble_start(&odds->rest[size], weight, 0);
+    }
+    for (size_t n = 1; n < count; n++) odds[n] = *odds;
+}
+
+static void start_signed(signed_odds *odds, size_t count)
+{
+    uint32_t weight[16] = {1u << 31, 1u << 31};
+    nibble_start(&odds->sign, weight, 0);
+    start_numbers(&odds->size, 1);
+    for (size_t n = 1; n < count; n++) odds[n] = *odds;
+}
+
+#define ODDS_OF(type, array) (type *)(void *)(array), sizeof(array) / sizeof(type)
+
+/* Pages of VXS_PACKING_FINE have many contexts of few symbols each. */
+static void start_fine(page_odds *odds)
+{
+    start_numbers(ODDS_OF(number_odds, odds->delta));
+    start_numbers(ODDS_OF(number_odds, odds->pattern));
+    start_numbers(ODDS_OF(number_odds, odds->common));
+    start_signed(ODDS_OF(signed_odds, odds->base));
+    start_signed(ODDS_OF(signed_odds, odds->private_base));
+    nibble_odds *like = &odds->depth_like[0][0][0];
+    uint32_t     weight[16];
+    for (uint32_t n = 0; n < 16; n++) weight[n] = 1u << (n < 15 ? 31 - n : 17); /* each half as likely as the one before */
+    nibble_start(like, weight, 0);
+    for (size_t n = 1; n < sizeof odds->depth_like / sizeof *like; n++) like[n] = *like;
+}
+
+static void start_odds(page_odds *odds, int fine)
 {
     static const uint8_t used[4] = {38, 64, 128, 218}, mixed[4] = {51, 179};
     uint32_t             even[16];
@@ -169,6 +205,7 @@ static void start_odds(page_odds *odds)
             odds->node_mixed[k] = odds->node_mixed[k & 15];
         for (uint32_t q = 0; q < 5; q++) odds->block_mixed[q][k] = odds->node_mixed[k];
     }
+    if (fine) start_fine(odds);
     for (uint32_t left = 0; left < 4; left++) {
         uint32_t bits = left ? left : 4, known = ((1u << bits) - 1) * 0x11; /* bits of k that are used */
         for (uint32_t k = 0; k < 256; k++)

@@ -184,7 +184,7 @@ static int code_pattern(walk *w, uint32_t kind, const int16_t *depth, uint32_t *
 {
     _Alignas(16) uint8_t index[64];
     around               o   = indices_around(w, depth, kind, x0, y0);
-    uint16_t            *set = w->s->pattern_set[set_of(o.above, o.left + kind, 10)];
+    uint16_t            *set = w->s->pattern_set[set_of(o.above, o.left + kind, 12)];
     if (w->fine) {
         nibble_odds *odds = w->odds->pattern_again[kind < 5 ? kind - 2 : 3];
         uint32_t     word = code_again(&w->c, set, PATTERN_LANES, odds, PAGE_ENCODING ? find_word(w, kind, *ref) : 0);
@@ -314,8 +314,8 @@ static int code_uniform_tile(walk *w, block *b, uint32_t t, uint32_t x0, uint32_
             index = b->entry == left ? 0 : b->entry == above ? 1 : b->entry < b->entries ? b->entry + 2 : 0;
         }
         uint32_t many = b->entries < 4 ? 0 : b->entries < 9 ? 1 : 2;
-        index         = code_nibble(&w->c, &w->odds->index[likeness(left, above, none)][many], index);
-        index         = index == 0 ? left : index == 1 ? above : index - 2;
+        index = code_nibble(&w->c, &w->odds->index[likeness(left, above, none)][many][corner_context(w, x0, y0, TILE_PX)], index);
+        index = index == 0 ? left : index == 1 ? above : index - 2;
         if (index >= b->entries) return 0;
     }
     if (index != *last) {

@@ -13,6 +13,8 @@
 #include "vxs_page_model.h"
 #include "vxs_resident_layout.h"
 
+enum { DEPTH_LOW = 4 /* low bits of a depth of a fine map, which are coded apart */ };
+
 enum { TOP_LEFT, TOP_ABOVE, TOP_DEPTH, TOP_NEXT_NODE, TOP_NEXT_PAGE, TOP_OLD_NODE, TOP_CELL };
 
 /* Consists only of nibble_odds, so that it can be used as one array. */
@@ -132,8 +134,14 @@ static int code_square(resident_walk *r, uint32_t at, uint32_t left, uint32_t ab
     case TOP_DEPTH:
         if (above != at && words[above] & top_uniform) beside = words[above] & ~top_uniform;
         if (left != at && words[left] & top_uniform) beside = words[left] & ~top_uniform;
-        depth = beside +
-                (uint32_t)code_signed(c, &r->odds->depth, (int32_t)((source_word(&r->w, at) & ~top_uniform) - (int32_t)beside));
+        depth = source_word(&r->w, at) & ~top_uniform;
+        if (r->w.fine) {
+            int32_t from = (int32_t)(beside >> DEPTH_LOW), high;
+            high         = from + code_signed(c, &r->odds->depth, (int32_t)(depth >> DEPTH_LOW) - from);
+            if (high < 0 || high > SQUARE_DEPTH_END >> DEPTH_LOW) return 0;
+            depth = (uint32_t)high << DEPTH_LOW | code_plain(c, DEPTH_LOW, depth & ((1 << DEPTH_LOW) - 1));
+        } else
+            depth = beside + (uint32_t)code_signed(c, &r->odds->depth, (int32_t)depth - (int32_t)beside);
         if (depth >= SQUARE_DEPTH_END) return 0;
         depth |= top_uniform;
         break;
@@ -227,7 +235,7 @@ static int code_resident(resident_walk *r, const vxs_common *source)
 {
     uint32_t *words = r->w.words;
     if (r->page_count > VXS_PAGES_MAX || RESIDENT_WORDS + r->page_count > r->w.word_count) return 0;
-    start_odds(r->w.odds);
+    start_odds(r->w.odds, 0);
     for (size_t n = 0; n < sizeof *r->odds / sizeof(nibble_odds); n++) ((nibble_odds *)r->odds)[n] = r->w.odds->far;
     words[0]  = r->page_count;
     r->w.word = RESIDENT_WORDS + r->page_count;

@@ -186,9 +186,9 @@ vxs_result vxs_write_blocks(vxs_sections *s, const vxs_blocks_view *view, const 
     uint32_t        halves = 2 * (page_start(view, 0) - view->words[COMMON_WORD]);
     for (uint32_t padding = 0; padding < 2 && padding <= halves && r == VXS_E_ARGUMENT; padding++)
         r = vxs_common_index(&common, patterns, view->common_kinds, view->common_count, pool, halves - padding);
+    common.packing = view->packing;
     if (r == VXS_OK)
         r = vxs_resident_encode(&resident, &known, view->words, page_start(view, 0), light->levels, vxs_map_count(light), &common);
-    common.packing = view->packing;
     if (r == VXS_OK) {
         uint32_t     count = view->words[PAGE_COUNT_WORD];
         page_encoder e     = {.view       = view,

@@ -34,11 +34,11 @@ def need(good):
 
 
 class Odds:
-    def __init__(self, weights=None):
+    def __init__(self, weights=None, seen=5):
         self.starts, self.seen = [2048 * n for n in range(16)], 0
         if weights:
             self.starts = [n + 32752 * sum(weights[:n]) // sum(weights) for n in range(16)]
-            self.seen = 5
+            self.seen = seen
 
 
 def weights_of(v):
@@ -68,9 +68,24 @@ def odds_at_start(name):
     return Odds()
 
 
+def fine_odds_at_start(name):
+    """14.11"""
+    if name[0] == "depth_like":
+        return Odds([2**(31 - n) if n < 15 else 2**17 for n in range(16)], 0)
+    if name[0] in ("delta", "pattern", "common", "base", "private_base"):
+        if name[-2] == "rest":
+            return Odds([int(n < 2**name[-1]) for n in range(16)], 0)
+        if name[-1] == "sign":
+            return Odds([int(n < 2) for n in range(16)], 0)
+    return odds_at_start(name)
+
+
 class OddsByName(dict):
+    def __init__(self, start):
+        self.start = start
+
     def __missing__(self, name):
-        self[name] = odds_at_start(name)
+        self[name] = self.start(name)
         return self[name]
 
 
@@ -100,8 +115,8 @@ class Coder:
 class Symbols:
     """What 14.1 names; odds by a tuple of name and context."""
 
-    def __init__(self, coder):
-        self.coder, self.odds, self.plain = coder, OddsByName(), coder.plain
+    def __init__(self, coder, start=odds_at_start):
+        self.coder, self.odds, self.plain = coder, OddsByName(start), coder.plain
 
     def nibble(self, *name):
         s = self.symbol(name)
@@ -492,7 +507,7 @@ class Page(Walk):
         self.pattern_sets, self.used_sets, self.last_shift = defaultdict(list), defaultdict(list), 0
         count, node_words = (n + 1 for n in struct.unpack_from("<2H", data))
         need(node_words <= count and nodes)
-        super().__init__(Symbols(Coder(data, 4)), Words([0] * count), 2 * node_words)
+        super().__init__(Symbols(Coder(data, 4), fine_odds_at_start if self.more else odds_at_start), Words([0] * count), 2 * node_words)
         self.word, self.node_words, self.common = 0, node_words, common
         self.lists, self.blocks, self.lately = defaultdict(list), [], []
         self.plane_above, self.plane_left, self.block_above, self.block_left = {}, {}, {}, {}
@@ -564,15 +579,20 @@ class Page(Walk):
         self.word += (11 + count + size * (count + fresh_count) + 1) // 2
         need(self.word <= self.node_words)
         refs, bases, depths, fresh, last, next_corner = [], [], [], 0, None, None
+        blocks = 64 - count
         for c in range(64):
             x0, y0 = 32 * (c % 8), 32 * (c // 8)
-            corner, next_corner = next_corner if x0 else self.left[y0], self.above[x0 + 31]
+            self.corner, next_corner = next_corner if x0 else self.left[y0], self.above[x0 + 31]
             if mixed >> c & 1:
                 ref, block_base = self.block(wide, x0, y0)
                 refs.append(ref)
                 bases.append(block_base)
                 continue
-            depth = self.uniform_block(wide, last or 0, corner, x0, y0)
+            rest = fresh_count - len(depths)
+            share = (rest < blocks) + (2 * rest < blocks) + (8 * rest < blocks)
+            depth = last if self.more and not rest else self.uniform_block(wide, last or 0, share, x0, y0)
+            need(depth is not None)
+            blocks -= 1
             self.leave_depth(x0, y0, 32, depth)
             if last is None or depth != last:
                 fresh |= 1 << c
@@ -591,14 +611,11 @@ class Page(Walk):
             X=X, Y=Y, map=map_, above=[d if d == NEVER else s16(d + base - self.slope(x // 8, 31)) for x, d in enumerate(above)],
             left=[d if d == NEVER else s16(d + base - self.slope(31, y // 8)) for y, d in enumerate(left)]))
 
-    def uniform_block(self, wide, last, corner, x0, y0):
+    def uniform_block(self, wide, last, share, x0, y0):
         left, above, before = (x & 0xffff for x in (self.left[y0], self.above[x0], last))
         k = (left == above) | (before in (left, above)) << 1 | (left == 0xffff) << 2
         if self.more:
-            k |= (before == left) << 3
-            behind = self.above[x0 + 32]
-            k |= (corner == self.left[y0]) << 4 | (corner == self.above[x0]) << 5
-            k |= (0 if behind == self.above[x0] else 1 if behind == self.left[y0] else 2) << 6
+            k = k | (before == left) << 3 | self.alike_at_corner(x0, y0, 32) << 4 | share << 8
         like = self.s.nibble("depth_like", k)
         if like < 4:
             low = (left, above, before, 0xffff)[like]
@@ -609,6 +626,19 @@ class Page(Walk):
         return depth
 
     # 14.11
+
+    def alike_at_corner(self, x0, y0, n):
+        if not self.more:
+            return 0
+        behind = self.above[x0 + n]
+        return ((self.corner == self.left[y0]) | (self.corner == self.above[x0]) << 1 |
+                (0 if behind == self.above[x0] else 1 if behind == self.left[y0] else 2) << 2)
+
+    def changes(self, x0, y0):
+        if not self.more:
+            return 0
+        count = sum((self.above[x0 + n] != self.above[x0 + n - 1]) + (self.left[y0 + n] != self.left[y0 + n - 1]) for n in range(1, 32))
+        return sum(count >= least for least in (1, 2, 3, 4, 6, 9, 15))
 
     def again(self, name, places):
         """What the set has at a place, which then comes first; or None."""
@@ -731,7 +761,7 @@ class Page(Walk):
         varied_beside = self.varied_left(y0, 32) + 2 * self.varied_above(x0, 32)
         b.q, b.shift, b.width, b.far, b.deltas, b.tiles, b.palette = 1, 0, 0, 0, [], [], [0]
         if b.on_plane < 2:
-            b.q = self.s.nibble("entries", 4 if b.on_plane else varied_beside) + 1
+            b.q = self.s.nibble("entries", 4 if b.on_plane else varied_beside, self.changes(x0, y0)) + 1
             need(b.q <= 14)
             K = 0 if b.q == 1 else self.size_class(b.q)
             b.shift = self.s.nibble("delta_form", K, min(self.last_shift, 3)) if self.more else self.s.nibble("delta_form", int(b.q == 1))
@@ -749,6 +779,7 @@ class Page(Walk):
         depth = [s16(base + d) for d in b.palette]
         K = self.size_class(b.q)
         b.last = 16
+        b.corners = [self.corner] + [self.left[y0 + 8 * y - 1] for y in range(1, 4)]
         for y in range(4):
             self.row(b, y, K, base, depth, sheet, x0, y0 + 8 * y)
         kinds = [tile.kind for tile in b.tiles]
@@ -778,7 +809,7 @@ class Page(Walk):
     def odds_of_delta(self, b, n, step):
         if b.width == 2:
             return ("delta_wide",)
-        return ("delta", min(b.shift, 3), int(n + 2 == b.q), min(step, 6)) if self.more else ("delta", b.shift, int(n > 0))
+        return ("delta", self.size_class(b.q), min(b.shift, 3), int(n + 2 == b.q), min(step, 6)) if self.more else ("delta", b.shift, int(n > 0))
 
     def row(self, b, y, K, base, depth, sheet, x0, y0):
         on = mixed = 0
@@ -798,6 +829,7 @@ class Page(Walk):
             need(not on & mixed)
         for x in range(4):
             tile = SimpleNamespace(kind="uniform", fresh=0, used=0)
+            self.corner, b.corners[y] = b.corners[y], self.above[x0 + 8 * x + 7]
             if on >> x & 1:
                 tile.kind = "plane"
                 self.leave_plane(x0 + 8 * x, y0, sheet.moved(8 * x, 8 * y))
@@ -813,7 +845,7 @@ class Page(Walk):
         tile.entry = 0
         if b.q > 1:
             l, a = (next((n for n in range(b.q) if depth[n] == d), None) for d in (self.left[y0], self.above[x0]))
-            value = self.s.nibble("index", alike(l, a), 0 if b.q < 4 else 1 if b.q < 9 else 2)
+            value = self.s.nibble("index", alike(l, a), 0 if b.q < 4 else 1 if b.q < 9 else 2, self.alike_at_corner(x0, y0, 8))
             tile.entry = l if value == 0 else a if value == 1 else value - 2
             need(tile.entry is not None and tile.entry < b.q)
         tile.fresh, b.last, tile.used = tile.entry != b.last, tile.entry, 1 << tile.entry
@@ -870,7 +902,7 @@ class Page(Walk):
         p, pattern = len(palette), None
         above = sum(self.index_beside(self.above[x0 + n], palette) << 8 * n for n in range(8))
         left = sum(self.index_beside(self.left[y0 + n], palette) << 8 * n for n in range(8))
-        patterns = self.pattern_sets[(above * K1 + (left + p) * K2) % 2**64 >> 54]
+        patterns = self.pattern_sets[(above * K1 + (left + p) * K2) % 2**64 >> 52]
         if self.more:
             again = self.again(("pattern_again", min(p - 2, 3)), patterns)
             if again is not None:
@@ -936,7 +968,8 @@ def z_order(side):
 class Resident:
     """words, nodes of each page as Page takes them, and the common pool's patterns by kind."""
 
-    def __init__(self, data, levels, map_count):
+    def __init__(self, data, levels, map_count, packing=0):
+        self.more = packing == 2
         count, self.page_count, self.node_count, self.pattern_count = struct.unpack_from("<4I", data)
         self.s, self.words, self.levels = Symbols(Coder(data, 16)), Words([0] * count), levels
         self.pages, self.met, self.at = [], [], 8 + self.page_count
@@ -986,7 +1019,11 @@ class Resident:
             words[at] = words[beside[kind]]
         elif kind == 2:
             near = [words[other] & 0x7fffffff for other, state in zip(beside, states) if state == 1] + [0]
-            depth = self.s.signed("depth") + near[0]
+            if self.more:
+                high = self.s.signed("depth") + (near[0] >> 4)
+                depth = high << 4 | self.s.plain(4)
+            else:
+                depth = self.s.signed("depth") + near[0]
             need(0 <= depth <= 2**18)
             words[at] = 0x80000000 | depth
         elif kind == 6:

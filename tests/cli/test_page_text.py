@@ -44,7 +44,7 @@ def test_any_page_that_the_layout_allows(vxs_path, tmp_path):
         pytest.skip("no unit tests")
     subprocess.run([program], env=os.environ | {"VXS_PAGES_OUT": str(path)}, check=True)
     for data, levels, maps, words, nodes, packing, page_nodes, page_words, page in samples(path.read_bytes()):
-        resident = Resident(data, levels, maps)
+        resident = Resident(data, levels, maps, packing)
         assert resident.words == words
         assert [node for nodes_of_page in resident.pages for node in nodes_of_page] == nodes
         assert Page(page, page_nodes, resident.common, packing).words == page_words
@@ -115,6 +115,6 @@ def test_pages_of_a_fine_bake(vxs, vxs_path, tmp_path):
     vxs("scene", "city", "--triangles", 1000, "-o", scene)
     vxs("bake", scene, "--resolution", 32768, "-o", path)
     words, starts, resident, pages = next(lights_of(vxs_path, path, [0]))
-    known = Resident(resident, 15, 1)
+    known = Resident(resident, 15, 1, 2)
     found = Page(pages[-1], known.pages[-1], known.common, 2).words
     assert found == words[starts[-1]:]

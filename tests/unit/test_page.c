@@ -52,7 +52,7 @@ static int make_scratch(void **state)
 static void scratch_is_small(void **state)
 {
     (void)state;
-    assert_in_range(vxs_page_scratch_bytes(), 1, 512 << 10);
+    assert_in_range(vxs_page_scratch_bytes(), 1, 640 << 10);
 }
 
 static int free_scratch(void **state)

@@ -319,7 +319,9 @@ static vxs_result decode_list(const symbol_list *l, const coded_end *end)
     uint32_t            word_count = node_words + (l->pool_halves + 1) / 2;
     memcpy(all, node, sizeof node);
     memcpy(all + sizeof node / sizeof *node, l->block, l->count * sizeof *l->block);
-    for (uint32_t n = 1 + l->twice; n < 64; n++) all[count++] = 2; /* uniform blocks, like the last one */
+    /* uniform blocks, like the last one: of VXS_PACKING_FINE only the fresh one has a symbol */
+    uint32_t end_block = common.common.packing == VXS_PACKING_FINE ? 2 + l->twice : 64;
+    for (uint32_t n = 1 + l->twice; n < end_block; n++) all[count++] = 2;
     vxs_store16(bytes, (uint16_t)(word_count - 1));
     vxs_store16(bytes + 2, (uint16_t)(node_words - 1));
     given             = all;
@@ -335,8 +337,11 @@ static vxs_result decode_list(const symbol_list *l, const coded_end *end)
 static void rules_are_checked_one_by_one(void **state)
 {
     (void)state;
-    for (size_t n = 0; n < sizeof lists / sizeof *lists; n++)
-        if (decode_list(&lists[n], &good_end) != lists[n].result) fail_msg("%s", lists[n].what);
+    for (uint32_t packing = VXS_PACKING_SMALL; packing <= VXS_PACKING_FINE; packing += VXS_PACKING_FINE - VXS_PACKING_SMALL) {
+        common.common.packing = packing;
+        for (size_t n = 0; n < sizeof lists / sizeof *lists; n++)
+            if (decode_list(&lists[n], &good_end) != lists[n].result) fail_msg("%s, packing %u", lists[n].what, (unsigned)packing);
+    }
 }
 
 /* A light of one square, which is a depth, and no patterns. */
