@@ -75,7 +75,7 @@ static void estimate_blocks(plan_light *l, int fast)
     double own  = (double)s->private_patterns * portable_pow(weight, 0.95);
     double free = fmax(0, p->patterns - p->private_patterns);
     if (free > REPEATING) free = REPEATING * portable_pow(free / REPEATING, 0.35);
-    l->built_bytes = 900 * own + 150 * free + 160 * p->blocks + 10 * p->words;
+    l->built_bytes = 1300 * own + 150 * free + 60 * p->blocks + 6 * p->words;
     l->part_bytes  = 0.3 * l->built_bytes;
 }
 

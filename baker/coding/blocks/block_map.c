@@ -250,11 +250,14 @@ uint32_t block_square_side(uint32_t map_side_px)
     return min_u32(map_side_px, max_u32(NODE_PX, min_u32(map_side_px / 4, SQUARE_PX_MAX)));
 }
 
+enum { LOOK_NODES = 4 /* nodes of a dense square take megabytes: the memory limit is checked each time after so many */ };
+
 typedef struct map_builder {
-    block_set *set;
-    uint32_t   map, square_level, depth_vx;
-    int        cpu;
-    block_set  batch[DESCENT_SLOTS];
+    block_set          *set;
+    const bake_context *ctx;
+    uint32_t            map, square_level, depth_vx;
+    int                 cpu;
+    block_set           batch[DESCENT_SLOTS];
 } map_builder;
 
 /* Before a fetch, a square is settled only if every part of it would get the same depth: bounds may be tighter after the fetch. */
@@ -280,6 +283,7 @@ static vxs_result build_slot(void *user, uint32_t slot, const column_square *col
     for (uint32_t n = 0; n < nodes * nodes && r == VXS_OK; n++) {
         z_place at = z_order(n);
         run_control_wait();
+        if (n % LOOK_NODES == 0 && !context_has_memory(b->ctx)) return VXS_E_MEMORY;
         r = block_build_node(&b->batch[slot], columns, b->map, i * nodes + at.i, j * nodes + at.j);
     }
     return r;
@@ -366,7 +370,8 @@ vxs_result block_build_map(block_set *s, uint32_t map, const column_map *columns
     if (columns->fetch_px < side) return VXS_E_ARGUMENT;
     map_builder *b = calloc(1, sizeof *b);
     if (!b) return VXS_E_MEMORY;
-    *b = (map_builder){.cpu = cpu_level(), .set = s, .map = map, .square_level = square_level(side), .depth_vx = columns->depth_vx};
+    *b = (map_builder){
+        .ctx = ctx, .cpu = cpu_level(), .set = s, .map = map, .square_level = square_level(side), .depth_vx = columns->depth_vx};
     s->patterns.cpu = b->cpu;
     s->privates.cpu = b->cpu;
     descent    d    = {.user            = b,
