@@ -75,7 +75,7 @@ static void estimate_blocks(plan_light *l, int fast)
     double own  = (double)s->private_patterns * portable_pow(weight, 0.95);
     double free = fmax(0, p->patterns - p->private_patterns);
     if (free > REPEATING) free = REPEATING * portable_pow(free / REPEATING, 0.35);
-    l->built_bytes = 1300 * own + 150 * free + 60 * p->blocks + 6 * p->words;
+    l->built_bytes = 1200 * own + 150 * free + 60 * p->blocks + 6 * p->words;
     l->part_bytes  = 0.3 * l->built_bytes;
 }
 
@@ -169,7 +169,7 @@ static uint64_t sparse_peak_bytes(const bake_plan *plan, const bake_options *o, 
                                         fmin(1, descent_slots(o->threads) * part) * l->part_bytes + 80 * (double)l->sample.triangles);
         built += l->built_bytes;
     }
-    return (uint64_t)(1.15 * (12e6 + 20e3 * (double)plan->baked_count + array_bytes(c) + square + built));
+    return (uint64_t)(1.15 * (11e6 + 20e3 * (double)plan->baked_count + array_bytes(c) + square + built));
 }
 
 uint64_t plan_peak_bytes(const bake_plan *plan, const bake_options *o, const casters *c, uint32_t tile_px)

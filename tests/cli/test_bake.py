@@ -484,7 +484,7 @@ def test_failure_keeps_the_old_output(vxs, scene, tmp_path):
 
 @pytest.mark.parametrize("number, status", [(signal.SIGINT, 130), (signal.SIGTERM, -signal.SIGTERM)])
 @pytest.mark.parametrize("command", [
-    ("bake", "city.glb", "-o", "a.vxs", "--resolution", "65536"),
+    ("bake", "city.glb", "-o", "a.vxs", "--resolution", "262144"),
     ("scene", "city", "-o", "a.glb", "--triangles", "5000000", "--blocks", "64"),
     ("render", "city.glb", "city.vxs", "-o", "a.png", "--draw", "rays", "--width", "8192", "--height", "8192"),
     ("query", "city.vxs"),

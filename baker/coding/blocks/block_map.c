@@ -250,8 +250,6 @@ uint32_t block_square_side(uint32_t map_side_px)
     return min_u32(map_side_px, max_u32(NODE_PX, min_u32(map_side_px / 4, SQUARE_PX_MAX)));
 }
 
-enum { LOOK_NODES = 4 /* nodes of a dense square take megabytes: the memory limit is checked each time after so many */ };
-
 typedef struct map_builder {
     block_set          *set;
     const bake_context *ctx;
@@ -283,7 +281,7 @@ static vxs_result build_slot(void *user, uint32_t slot, const column_square *col
     for (uint32_t n = 0; n < nodes * nodes && r == VXS_OK; n++) {
         z_place at = z_order(n);
         run_control_wait();
-        if (n % LOOK_NODES == 0 && !context_has_memory(b->ctx)) return VXS_E_MEMORY;
+        if (!context_has_memory(b->ctx)) return VXS_E_MEMORY; /* nodes of a dense square take megabytes */
         r = block_build_node(&b->batch[slot], columns, b->map, i * nodes + at.i, j * nodes + at.j);
     }
     return r;
