@@ -68,8 +68,9 @@ vxs_result vxs_page_inflate(uint32_t *words, uint32_t word_count, const uint8_t 
  * of the page. */
 uint32_t vxs_page_node_words(const uint8_t *bytes);
 
-/* Append the bytes of a page; vxs_write_blocks.c. Arguments as for vxs_page_encode, but for the memory; zstd has its level set. Returns VXS_OK;
- * VXS_E_MEMORY; VXS_E_ARGUMENT: the page would not be accepted. The runtime library does not contain this function. */
+/* Append the bytes of a page; vxs_write_blocks.c. Arguments as for vxs_page_encode, without an encoder; zstd has its level set.
+ * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT: the page would not be accepted. The runtime library does not contain this
+ * function. */
 vxs_result vxs_page_pack(vxs_bytes *out, const uint32_t *words, uint32_t word_count, const vxs_page_node *nodes,
                          uint32_t node_count, vxs_page_marks *marks, ZSTD_CCtx *zstd);
 

@@ -391,7 +391,8 @@ static int code_node(walk *w, const vxs_page_node *node)
         if (w->fine && !rest)
             depth = last;
         else
-            depth = code_uniform_block(w, wide, last, depth, w->fine ? fresh_share(rest, uniform--) : 0, x0, y0);
+            depth = code_uniform_block(w, wide, last, depth, w->fine ? fresh_share(rest, uniform) : 0, x0, y0);
+        uniform--;
         draw_uniform(w, x0, y0, BLOCK_PX, (int16_t)depth);
         if (met && depth == last) continue;
         if (wide && depth >= DEPTH_END && depth != ~0u) return 0;

@@ -46,8 +46,6 @@ int vxs_read_resident(vxs_paged_light *light, const vxs_resident_sizes *sizes, c
                                              light->inflated, tools->zstd)
                        : vxs_resident_decode(&light->resident, light->levels, light->map_count, light->packing, bytes, size_bytes,
                                              tools->scratch);
-
-    light->resident.common.packing = light->packing;
     return r == VXS_OK ? 0 : 501;
 }
 
