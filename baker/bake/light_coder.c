@@ -10,14 +10,14 @@ static vxs_result blocks_begin(void *data, const vxs_light *light)
 {
     blocks_coder *c = data;
     c->light        = light;
+    c->set.fast     = c->packing == VXS_PACKING_FAST;
     return VXS_OK;
 }
 
 static vxs_result blocks_add_map(void *data, uint32_t map, const column_map *columns, bake_context *ctx)
 {
     blocks_coder *c          = data;
-    c->set.fast              = c->packing == VXS_PACKING_FAST;
-    vxs_result r             = block_build_map(&c->set, map, columns, ctx);
+    vxs_result    r          = block_build_map(&c->set, map, columns, ctx);
     c->stats.mask_tiles      = c->set.tile_count;
     c->stats.squares_fetched = c->set.squares_fetched;
     return r;

@@ -144,7 +144,7 @@ static void scale_by_depths(node_builder *b, uint32_t ranged)
     for (uint32_t rest = ranged; rest; rest &= rest - 1, count += 128)
         memcpy(depths + count, &b->tile[__builtin_ctz(rest)].ranges, sizeof b->tile->ranges);
     axis_init_by_depths(&b->axis, depths, codes, count);
-    memset(b->tile_high, 0, sizeof b->tile_high); /* before all entries: tells nothing of tiles that are not uniform */
+    memset(b->tile_high, 0, sizeof b->tile_high); /* of tiles that are not uniform: before all entries */
     for (uint32_t rest = uniform; rest; rest &= rest - 1) {
         b->tile_low[__builtin_ctz(rest)]  = codes[next++];
         b->tile_high[__builtin_ctz(rest)] = codes[next++];
@@ -291,9 +291,8 @@ static int32_t roundest(int32_t low, int32_t high)
 /* The palette of a block. */
 typedef struct palette_in {
     int16_t code[PALETTE_LANES];
-    uint8_t first[BLOCK_TILES],
-        last[BLOCK_TILES]; /* the entries at or behind the last enter depth of each tile, and at or before its
-                                                      first exit depth; NO_ENTRY: none is before that */
+    uint8_t first[BLOCK_TILES]; /* of each tile: the first entry at or behind its last enter depth */
+    uint8_t last[BLOCK_TILES];  /* the last entry at or before its first exit depth; NO_ENTRY: there is none */
 } palette_in;
 
 /* Choose entries of uniform tiles: the same as the tiles before, where possible. */

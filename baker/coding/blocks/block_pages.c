@@ -84,14 +84,12 @@ static int is_new(uint16_t *last, uint32_t page)
 /* Add to a page the patterns of a block that are not in it yet. */
 static void add_patterns(const layout *l, cutter *c, uint32_t page, page_size *size, uint32_t id)
 {
-    const uint8_t *from = intern_at(&l->set->blocks, id);
-    block_head     head;
-    memcpy(&head, from, sizeof head);
-    from += sizeof head;
-    for (uint32_t rest = head.patterned; rest; rest &= rest - 1, from += sizeof rest) {
-        const int is_private = (head.own & rest & -rest) != 0;
+    const block_parts b       = block_parts_of(intern_at(&l->set->blocks, id));
+    const uint8_t    *pattern = b.pattern;
+    for (uint32_t rest = b.head.patterned; rest; rest &= rest - 1, pattern += 4) {
+        const int is_private = (b.head.own & rest & -rest) != 0;
         uint32_t  code;
-        memcpy(&code, from, sizeof code);
+        memcpy(&code, pattern, sizeof code);
         if (!is_new(&c->code[is_private][code], page)) continue;
         size->halves += l->code_size[is_private][code];
         c->fresh[c->fresh_count++] = (tile_code){is_private, code};

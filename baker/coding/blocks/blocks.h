@@ -36,7 +36,7 @@ typedef struct block {
     block_tile tile[BLOCK_TILES];  /* rows */
 } block;
 
-/* Packed blocks in a set, a fifth of their size: nearly as a page has them (formats/vxs.md 13.2), but for the names of patterns, and for
+/* Packed blocks in a set, a fifth of their size. They are as in a page (formats/vxs.md 13.2), except for names of patterns and for
  * bases, which change when sets are merged. Equal blocks have equal bytes. This form is never written to the asset.
  *
  *     head       which tiles have which fields
