@@ -13,7 +13,7 @@
  *
  * Each call may fail with a result of vxs_result.h. A square is named by level, i, j: it has 8 << level texels a side, and is in
  * column i and row j of such squares, counted from the corner of the map or of the fetched square.
- * Sources: opengl/ renders, sparse/ computes from triangles, stored/ holds depth maps in memory, tests/columns/ has formulas.
+ * Sources: opengl/ renders, sparse/ computes from triangles, tests/columns/ has stored maps and formulas.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef COLUMNS_H
 #define COLUMNS_H
@@ -181,9 +181,7 @@ static inline uint32_t depth_up(depth_scale s, double depth)
     return down + (down < voxels);
 }
 
-/* Bounds of all parts of a fetched square, level by level: each is the union of its four finer ones. */
-
-/* Fill the coarser levels from level 0.
+/* Fill the coarser levels of a pyramid of bounds from level 0: the bounds of a square are the union of those of its quarters.
  * pyramid  [l]: rows of (tiles >> l)^2 squares of 8 << l texels, down to one square; level 0 is given
  * tiles    along a side, a power of two
  * threads  that share the work; the result does not depend on it */

@@ -28,7 +28,7 @@ static inline uint32_t descent_slots(uint32_t threads)
 /* What the descent does with a square. */
 typedef enum descent_step {
     DESCENT_SETTLED, /* its bounds are enough */
-    DESCENT_BUILD,   /* it is small enough, or as good as small; before it is fetched, the same as DESCENT_SPLIT */
+    DESCENT_BUILD,   /* build it as a whole; before it is fetched, the same as DESCENT_SPLIT */
     DESCENT_SPLIT,   /* go on with its quarters */
 } descent_step;
 

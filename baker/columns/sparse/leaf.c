@@ -50,7 +50,7 @@ typedef struct leaf {
     const square_bound *bound;
     int64_t             x0, y0;           /* centre of the first texel, subtexels */
     double              x_of[8], y_of[8]; /* centres of texels */
-    int                 frees;            /* 1: don't-care voxels behind the last surface */
+    int                 free_behind;      /* 1: don't-care voxels behind the last surface */
     double              known;            /* the list has all triangles that begin before this depth; less than INFINITY */
     leaf_face          *faces;
     size_t              count;
@@ -399,12 +399,12 @@ static f64s later_exits(const leaf *f, int first, f64s exits)
     f64s_store(through, nearest);
     for (int n = 0; n < LANES; n++) through[n] = dont_care_through(&f->d->dont_care, through[n]);
     f64s x = f64s_choose((i64s)(thick == nearest), f64s_min(f64s_load(through), next), exits);
-    return f->frees ? f64s_choose((i64s)(last <= exits), none, x) : x;
+    return f->free_behind ? f64s_choose((i64s)(last <= exits), none, x) : x;
 }
 
 /* the tile -------------------------------------------------------------------------------------------------------------------- */
 
-/* The depths that part lit from shadowed, in LANES texels. */
+/* The depths that separate lit from shadowed, in LANES texels. */
 typedef struct parting {
     f64s enter_most, exit_least;
 } parting;
@@ -490,8 +490,8 @@ int AT_LEVEL(leaf_columns)(leaf_scratch *s, const leaf_desc *d, const square_lis
         f.x_of[n] = (double)(f.x0 + n * px_of(&f));
         f.y_of[n] = (double)(f.y0 + n * px_of(&f));
     }
-    f.frees = d->dont_care.behind && !b->behind;
-    f.known = f.frees ? DBL_MAX : b->enter_most;
+    f.free_behind = d->dont_care.behind && !b->behind;
+    f.known       = f.free_behind ? DBL_MAX : b->enter_most;
     meet_all(&f, l);
     for (int first = 0; first < 64; first += LANES) find_columns(&f, first, &p);
     if (!d->every_texel && is_parted(d->scale, &p, bounds)) return 1;

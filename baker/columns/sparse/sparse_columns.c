@@ -27,8 +27,6 @@ typedef struct sparse_keys {
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include "baker/base/integer.h"
-
 enum { HASHED_AT_ONCE = 64 };
 
 /* A triangle as it is hashed: 8-byte numbers, so that there is no padding. */
@@ -42,7 +40,7 @@ typedef struct hashed_triangle {
 typedef struct hashed_holes {
     mask_fingerprint mask;
     float            uvq[3][3];
-    uint32_t         none; /* 0, padding */
+    uint32_t         padding; /* 0 */
 } hashed_holes;
 
 static void hash_holes(XXH3_state_t *state, const sparse_keys *keys, const sparse_triangles *s, uint32_t id)

@@ -21,7 +21,7 @@ enum {
     SPARSE_FACES = 8, /* triangle of a one-sided sheet without holes whose visible side faces the light */
 };
 
-/* As long as a line of a cache. */
+/* 64 bytes: one cache line. */
 typedef struct sparse_triangle {
     int32_t x[3], y[3]; /* subtexels; counter-clockwise for x to the right and y up. Corner 0 has zmin */
     double  zmin, zmax; /* depths as in columns.h */
@@ -32,9 +32,9 @@ typedef struct sparse_triangle {
 /* What lists of triangles copy. */
 typedef struct sparse_tags {
     uint32_t patch;
-    uint8_t  kind; /* SPARSE_ bits */
-    uint8_t  ends; /* bit k: the edge from corner k to the next is on the border of the patch */
-    uint16_t none; /* 0 */
+    uint8_t  kind;    /* SPARSE_ bits */
+    uint8_t  ends;    /* bit k: the edge from corner k to the next is on the border of the patch */
+    uint16_t padding; /* 0 */
 } sparse_tags;
 
 typedef struct sparse_triangles {

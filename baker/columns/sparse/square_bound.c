@@ -2,14 +2,7 @@
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include "baker/columns/sparse/square_bound.h"
 
-#include <math.h>
-#include <string.h>
-
-#include "baker/columns/sparse/square_list.h"
-
-/* The adjacent triangles of one patch in a list, and their common properties in the square. */
-
-/* The triangles of one patch in a list: items [begin, end). */
+/* The triangles of one patch in a list, items [begin, end), and their common properties in the square. */
 typedef struct patch_run {
     size_t   begin, end;
     int      ends;    /* the border of the patch may cross the square */
@@ -21,7 +14,7 @@ typedef struct patch_run {
     int      faces;   /* all belong to one-sided sheets that face the light */
 } patch_run;
 
-/* Added to a depth, it counts only if a bit is set: no branch, which would be unpredictable. */
+/* Added to a depth, which then counts only if a bit is set: without a branch, which would be unpredictable. */
 static const double if_set[2] = {INFINITY, 0};
 
 static inline patch_run patch_run_from(const square_list *l, size_t begin)
@@ -221,22 +214,22 @@ void square_bound_tighten(square_bound *b, square_list *l, const dont_care_rules
 /* Depths in a square of texels, relative to a plane. Surfaces one behind the other often have nearly the same slope. Relative to a
  * plane of that slope their depth ranges do not overlap, however steep they are. */
 
-/* Of a square or a tile: the box of its texels' centres, and the plane. */
-typedef struct lean {
+/* The box of the texels' centres of a square, and the plane. */
+typedef struct tilted_box {
     double x, y, half;   /* centre of the box, half of its side: subtexels */
     double gx, gy;       /* gradient of the plane, which has depth 0 in the centre */
     double steep, slack; /* greatest absolute depth of the plane in the box; bound of rounding errors */
-} lean;
+} tilted_box;
 
 /* Take the plane of the farthest triangle that covers the square: usually the ground, or a floor. */
-static inline lean lean_of(const square_list *l, const sparse_triangles *s, texel_square at)
+static inline tilted_box tilted_box_of(const square_list *l, const sparse_triangles *s, texel_square at)
 {
     size_t farthest = SIZE_MAX;
     for (size_t n = 0; n < l->count; n++)
         if (l->items[n].bits & ENTRY_COVERS && (farthest == SIZE_MAX || l->lo[n] > l->lo[farthest])) farthest = n;
     const sparse_triangle *plane = farthest == SIZE_MAX ? NULL : &s->all[l->items[farthest].id];
     const double           px    = (double)((int64_t)1 << s->grid);
-    lean                   w     = {.x    = (at.u + at.side / 2.0) * px,
+    tilted_box             w     = {.x    = (at.u + at.side / 2.0) * px,
                                     .y    = (at.v + at.side / 2.0) * px,
                                     .half = (at.side - 1) / 2.0 * px,
                                     .gx   = plane ? plane->gx : 0,
@@ -248,7 +241,7 @@ static inline lean lean_of(const square_list *l, const sparse_triangles *s, texe
 
 /* A layer of faces. Layers cover the square, unless noted otherwise. */
 typedef struct layer {
-    double near, far; /* relative to the plane of square_bound.c */
+    double near, far; /* relative to the plane */
     double lo;        /* depth */
 } layer;
 
@@ -301,7 +294,7 @@ static size_t find_patches(patch_items *patches, const square_list *l, const squ
     return out->exit_least < out->enter_most || sheet <= out->enter_most ? 0 : count; /* counting could still settle it */
 }
 
-static void add_patch(layers *y, const lean *w, const square_list *l, const sparse_triangles *s, const patch_items *p)
+static void add_patch(layers *y, const tilted_box *w, const square_list *l, const sparse_triangles *s, const patch_items *p)
 {
     const sparse_tags first = l->tags[p->begin];
     layer             all   = nothing;
@@ -359,10 +352,10 @@ int square_settle(const square_list *l, const sparse_triangles *s, texel_square 
     if (l->count > SETTLE_LIST_MAX) return 0;
     const size_t count = find_patches(patches, l, outer, out);
     if (!count || out->is_certain) return count != 0;
-    const lean w  = lean_of(l, s, at);
-    y.front_count = 0;
-    y.back_count  = 0;
-    y.partial     = INFINITY;
+    const tilted_box w = tilted_box_of(l, s, at);
+    y.front_count      = 0;
+    y.back_count       = 0;
+    y.partial          = INFINITY;
     for (size_t n = 0; n < count; n++) add_patch(&y, &w, l, s, &patches[n]);
 
     /* the first back face that may be an exit */

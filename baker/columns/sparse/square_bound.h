@@ -9,7 +9,7 @@
  * Triangles that begin behind F are removed from the list. The nearest back face of a solid among them is kept as K: where a list
  * has no further back face for a texel, the exit is at K or behind.
  *
- * With more don't-care voxels (square_bound.h) the surfaces behind the exit matter too: triangles that may limit the thickness of a
+ * With more don't-care voxels (dont_care_rules) the surfaces behind the exit matter too: triangles that may limit the thickness of a
  * sheet stay. All triangles stay until it is known that a surface lies behind F in every texel.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef SQUARE_BOUND_H
