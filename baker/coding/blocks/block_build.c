@@ -41,7 +41,7 @@ static tile_ends take_columns(tile_in *t, const column_tile *columns, int32_t sh
         for (int row = 0; row < 4; row++) {
             int   from = 8 * (4 * (quad >> 1) + row) + 4 * (quad & 1), to = 16 * quad + 4 * row;
             i32x4 e = i32x4_load(columns->e + from) + up, x = i32x4_load(columns->x + from);
-            x    = i32x4_select((i32x4)(x > last), far, x) + up; /* as in exit_depth */
+            x    = i32x4_select((i32x4)(x > last), far, x) + up; /* as exit_least of block_node.c */
             emax = i32x4_max(emax, e);
             xmin = i32x4_min(xmin, x);
             memcpy(t->ranges.low + to, &e, sizeof e);
@@ -371,7 +371,7 @@ static vxs_result find_plane(node_builder *b, plane *p, uint32_t *flat)
     return VXS_OK;
 }
 
-/* A depth in this range that a block has which is beside the current one; -1: none. */
+/* A depth of a block beside the current one that is in this range; -1: none. */
 static int32_t depth_beside(const node_builder *b, int32_t low, int32_t high)
 {
     const uint32_t n = b->number, x = n % 8, beside[] = {x ? n - 1 : n, n > 7 ? n - 8 : n, x < 7 ? n + 1 : n, n < 56 ? n + 8 : n};
@@ -392,8 +392,8 @@ static int32_t build_palette(node_builder *b, block *out, palette_in *p)
     scale_block(b);
     int count = block_groups(b, groups);
 
-    /* Choose depths within their groups, with round differences to the first. The last one is often of what lies behind all edges: it
-     * is that of a block beside, if possible, so that pages of VXS_PACKING_FINE need not code it. */
+    /* Choose depths within their groups, with round differences to the first. The last depth is often that of the ground. If a
+     * block beside this one has a depth in its group, take that: pages of VXS_PACKING_FINE then need not code it. */
     int32_t           base = axis_depth(&b->axis, groups[0].low), high = axis_depth(&b->axis, groups[0].high);
     const stab_group *end = &groups[count - 1];
     int32_t met = count > 1 && b->fine ? depth_beside(b, axis_depth(&b->axis, end->low), axis_depth(&b->axis, end->high)) : -1;

@@ -20,7 +20,7 @@ typedef struct tile_in {
     private_planes plane;             /* a plane or two through this tile alone */
 } tile_in;
 
-/* Depths of a block; none: they are not chosen yet. */
+/* Depths of a block; count 0: they are not chosen yet. */
 typedef struct block_depths {
     uint32_t count;
     int32_t  depth[PALETTE_MAX];

@@ -16,7 +16,7 @@ enum {
     CELL_LEVELS = 15    /* maps of this many levels or more have cells above the entries of the top */
 };
 
-/* Bit of cells and entries of the top: the square has one depth, in the other bits. */
+/* Bit of a cell or an entry of the top: the other bits are the one depth of its square. */
 #define ENTRY_UNIFORM 0x80000000u
 
 /* Depth of squares that are never in shadow. */

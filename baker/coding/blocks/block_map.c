@@ -10,16 +10,14 @@
 #include "baker/coding/blocks/blocks.h"
 #include "baker/columns/descent.h"
 
-/* Serialization of sets of palette blocks before they are merged. A loaded set merges like the saved one.
- * The bytes belong to one version of vxs, and are not a public format. */
-
 /* The square of a map that must contain a set. */
 typedef struct block_area {
     uint32_t map, depth_vx;
     uint32_t x, y, side; /* in squares of NODE_PX */
 } block_area;
 
-/* Serialization of sets of palette blocks; see block_map.c. All numbers are little-endian, of 4 bytes unless noted.
+/* Sets of palette blocks as bytes for the square cache, before they are merged. A loaded set merges like the saved one. The bytes
+ * belong to one version of vxs, and are not a public format. All numbers are little-endian, of 4 bytes unless noted.
  *
  *     head       counts of uniform squares, nodes, blocks, private-palette patterns, patterns of 2 to PALETTE_MAX depths; 8
  *                bytes: tiles
@@ -27,8 +25,7 @@ typedef struct block_area {
  *     nodes      x, y, emin, xmax, slope (2); 8 bytes: which blocks are mixed; 64 depths; ids of mixed blocks
  *     patterns   of each class: id; 16 bytes for each mask: dark, lit
  *     privates   64 depths; ranges (128); count of halves of planes, then these halves, 4 bytes each
- *     blocks     number of depths, plane (3), depths, and of each tile kind | palette << 16, pattern, base
- * */
+ *     blocks     number of depths, plane (3), depths, and of each tile kind | palette << 16, pattern, base */
 
 enum {
     CLASSES       = PALETTE_MAX - 1,

@@ -66,14 +66,14 @@ typedef struct tile_code {
 /* Mark of the common patterns, which are never new in a page. */
 #define IN_COMMON UINT16_MAX
 
-/* What pages have, while they are cut: the last page that has a thing, counted from 1. */
+/* While pages are cut: for each block and each pattern the last page that has it, counted from 1. */
 typedef struct cutter {
     uint16_t *block, *code[2];
     uint32_t  fresh_count; /* patterns that no node of the page before the last one uses */
     tile_code fresh[NODE_BLOCKS * BLOCK_TILES];
 } cutter;
 
-/* Whether a thing is not in the page yet. Marks it as in the page. */
+/* Whether it is not in the page yet. Marks it as in the page. */
 static int is_new(uint16_t *last, uint32_t page)
 {
     if (*last >= page) return 0;

@@ -16,7 +16,7 @@ enum { WRITERS_MAX = 8 /* most threads that write pages: each needs scratch memo
 #define BLOCK_FAR 0x400u
 #define COMMON    0x20000u
 
-/* The last page that has a thing, counted from 1, and where it is there: page << PLACE_BITS | place. */
+/* The last page that has a block or pattern, counted from 1, and where it is there: page << PLACE_BITS | place. */
 typedef uint32_t place_in_page;
 
 enum { PLACE_BITS = 17 };
@@ -30,7 +30,7 @@ typedef struct page_writer {
     block_counts   counts;
 } page_writer;
 
-/* Whether a thing is not in the page yet; it gets this place. */
+/* Whether it is not in the page yet; then it gets this place. */
 static int gets_place(place_in_page *last, size_t page, uint32_t place)
 {
     if (*last >> PLACE_BITS == page + 1) return 0;

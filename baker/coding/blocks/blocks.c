@@ -135,7 +135,7 @@ void block_renumber(uint8_t *bytes, const uint32_t *shared, const uint32_t *priv
     }
 }
 
-enum { BETWEEN_PASSES = 64 };
+enum { BETWEEN_PASSES = 64 /* patterns or blocks between calls of run_control_wait */ };
 
 vxs_result block_set_add_uniform(block_set *s, const uniform_square *u)
 {

@@ -1,5 +1,11 @@
 /* Palette blocks in the baker: nodes of 256 x 256 texels, blocks of 32 x 32, tiles of 8 x 8, patterns; their build from columns,
  * and the words that lookups read.
+ *
+ * The contract of a column is an interval, so an area of a map needs few different depths. A block has a palette of at most
+ * PALETTE_MAX depths. A tile stores which palette entries it uses, and a pattern: which of its texels begin to be in shadow at each
+ * entry. Patterns do not contain depths, and the whole map shares them. All depths are relative to the level above, so that equal
+ * shapes at different depths are stored once. A node has a slope, which is added to the depths of its tiles first.
+ * formats/vxs.md documents the layout for lookups; formats/vxs_lookup_blocks.h reads it.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef BLOCKS_H
 #define BLOCKS_H
@@ -9,8 +15,6 @@
 #include "baker/coding/blocks/plane.h"
 #include "baker/coding/blocks/private_patterns.h"
 #include "baker/columns/columns.h"
-
-/* A palette block of 32 x 32 texels and its tiles of 8 x 8, during the build. */
 
 enum { BLOCK_TILES = 16 };
 
@@ -29,6 +33,7 @@ static inline int tile_has_pattern(const block_tile *t)
     return t->kind == TILE_PATTERN || t->kind == TILE_PRIVATE;
 }
 
+/* A palette block during the build. */
 typedef struct block {
     uint32_t   depths;             /* [1, PALETTE_MAX] entries of the palette */
     int32_t    depth[PALETTE_MAX]; /* [depths] ascending from 0 */
@@ -74,14 +79,6 @@ void block_unpack(block *b, const uint8_t *bytes);
  * private-palette ones; NULL: nothing is added. */
 void block_renumber(uint8_t *bytes, const uint32_t *shared, const uint32_t *privates, const int32_t *private_base);
 
-/* Palette blocks in the baker: nodes of 256 x 256 texels, blocks of 32 x 32, tiles of 8 x 8, patterns.
- *
- * The contract of a column is an interval, so an area of a map needs few different depths. A block has a palette of at most
- * PALETTE_MAX depths. A tile stores which palette entries it uses, and a pattern: which of its texels begin to be in shadow at each
- * entry. Patterns do not contain depths, and the whole map shares them. All depths are relative to the level above, so that equal
- * shapes at different depths are stored once. A node has a slope, which is added to the depths of its tiles first.
- * formats/vxs.md documents the layout for lookups; formats/vxs_lookup_blocks.h reads it. */
-
 enum {
     NODE_BLOCKS = 64,
     FINE_LEVELS = 15,     /* maps of this many levels or more have pages of VXS_PACKING_FINE */
@@ -125,7 +122,7 @@ typedef struct block_set {
     packed_node    *nodes;
     uint32_t       *parts; /* of nodes */
     size_t          uniform_count, uniform_capacity, node_count, node_capacity, part_count, part_capacity;
-    intern          blocks; /* packed (blocks.h) */
+    intern          blocks; /* packed */
     pattern_set     patterns;
     private_set     privates;
     plane           recent[PLANES_RECENT]; /* slopes of blocks */
@@ -153,8 +150,6 @@ vxs_result block_set_merge(block_set *s, block_set *from);
 
 void block_set_free(block_set *s);
 
-/* Builds palette blocks from columns: of one node, and of a whole map. */
-
 /* Add the node (x, y), counted in squares of NODE_PX from the corner of fetched columns. A smaller map is added as a whole.
  * map  index of the light's map. Returns VXS_OK, VXS_E_MEMORY, VXS_E_REFERENCES, or what the columns return. */
 vxs_result block_build_node(block_set *s, const column_square *columns, uint32_t map, uint32_t x, uint32_t y);
@@ -168,14 +163,13 @@ uint32_t block_square_side(uint32_t map_side_px);
  * Returns the same, or VXS_E_ARGUMENT if fetch_px is less than block_square_side. */
 vxs_result block_build_map(block_set *s, uint32_t map, const column_map *columns, bake_context *ctx);
 
-/* Palette blocks as the words that lookups read: the top, common patterns, and pages (formats/vxs.md). */
-
 /* Contents of a light's words. */
 typedef struct block_counts {
     uint32_t pages, nodes, blocks, tiles, private_tiles, patterns, private_patterns; /* equal ones in a page are counted once */
     uint32_t top_words, common_words, node_words, block_words, pattern_words;        /* their sizes; patterns in pages only */
 } block_counts;
 
+/* The words that lookups read: the top, common patterns, and pages (formats/vxs.md). */
 typedef struct block_words {
     uint32_t    *words; /* [count + VXS_BLOCKS_SPARE_WORDS] the spare words are 0 */
     uint32_t     count;

@@ -102,9 +102,9 @@ static inline int32_t slope_shift_max(node_slope s)
 int slope_may_help(const int32_t *emax, const int32_t *xmin, int32_t deepest, uint64_t mixed);
 
 /* Find a slope with which few blocks have no common depth.
- * emax, xmin  of all tiles;   others  the same
+ * emax, xmin  of all tiles
  * first       tried first: the slope of the previous node
- * Returns {0, 0} if no slope helps. */
+ * Returns {0, 0} if no slope helps. Other arguments as for slope_may_help. */
 node_slope slope_find(const int32_t *emax, const int32_t *xmin, int32_t deepest, uint64_t mixed, node_slope first);
 
 #endif

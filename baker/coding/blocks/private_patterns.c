@@ -30,9 +30,9 @@ typedef struct private_known {
 } private_known;
 
 /* Pairs of GROUP patterns, which are searched at once. */
-typedef struct own_group {
+typedef struct pair_group {
     int16_t deeper[PAIRS][GROUP];
-} own_group;
+} pair_group;
 
 /* Ranges in 16 bits, relative to `floor`; clamping excludes no choice. */
 typedef struct half_ranges {
@@ -67,9 +67,9 @@ typedef struct pair_ranges {
 } pair_ranges;
 
 /* Bits of the patterns of a group that the pairs do not rule out. */
-typedef uint32_t find_possible(const own_group *g, const pair_ranges *r);
+typedef uint32_t find_possible(const pair_group *g, const pair_ranges *r);
 
-static ALWAYS_INLINE uint32_t possible(const own_group *g, const pair_ranges *r)
+static ALWAYS_INLINE uint32_t possible(const pair_group *g, const pair_ranges *r)
 {
     i16x8 a = i16x8_all(0), b = i16x8_all(0);
     for (int n = 0; n < PAIRS; n++) {
@@ -84,7 +84,7 @@ static ALWAYS_INLINE uint32_t possible(const own_group *g, const pair_ranges *r)
 
 #ifdef __x86_64__
 
-CPU_TARGET_AVX2 static ALWAYS_INLINE uint32_t possible_avx2(const own_group *g, const pair_ranges *r)
+CPU_TARGET_AVX2 static ALWAYS_INLINE uint32_t possible_avx2(const pair_group *g, const pair_ranges *r)
 {
     __m256i out = _mm256_setzero_si256();
     for (int n = 0; n < PAIRS; n++) {
@@ -247,13 +247,13 @@ static void take_planes(private_pattern *p, const private_planes *planes, int32_
 }
 
 /* Choose one plane, or depths, or two planes if these are certain to take less. */
-static void choose(private_pattern *p, const tile_ranges *t, const half_ranges *halves, const private_planes *one, int cpu,
+static void choose(private_pattern *p, const tile_ranges *t, const half_ranges *halves, const private_planes *planes, int cpu,
                    int32_t *base)
 {
     private_planes pair;
     fewest_depths  few;
-    if (one->count && (!halves || in_halves(one->depth))) {
-        take_planes(p, one, base);
+    if (planes->count && (!halves || in_halves(planes->depth))) {
+        take_planes(p, planes, base);
         return;
     }
     few.count = 0;
@@ -289,7 +289,7 @@ static vxs_result remember(private_set *s, const private_pattern *p, uint32_t id
     size_t at = s->known_count;
     if (!array_reserve(&s->known, &s->known_capacity, at + 1, sizeof *s->known)) return VXS_E_MEMORY;
     if (!array_reserve(&s->groups, &s->group_capacity, at / GROUP + 1, sizeof *s->groups)) return VXS_E_MEMORY;
-    if (at % GROUP == 0) s->groups[at / GROUP] = (own_group){0};
+    if (at % GROUP == 0) s->groups[at / GROUP] = (pair_group){0};
     private_known *k = &s->known[at];
     k->id            = id;
     for (int n = 0; n < 64; n++) k->depth[n] = (int16_t)p->depth[n];
@@ -299,8 +299,8 @@ static vxs_result remember(private_set *s, const private_pattern *p, uint32_t id
     return VXS_OK;
 }
 
-/* Add a new pattern.   like  the pattern to copy; NULL: choose one, which may be the plane `one` */
-static vxs_result add(private_set *s, const tile_ranges *t, const half_ranges *halves, const private_planes *one,
+/* Add a new pattern.   like  the pattern to copy; NULL: choose one, which may be `planes` */
+static vxs_result add(private_set *s, const tile_ranges *t, const half_ranges *halves, const private_planes *planes,
                       const private_pattern *like, uint32_t *id, int32_t *base)
 {
     if (!array_reserve(&s->patterns, &s->pattern_capacity, s->count + 1, sizeof *s->patterns)) return VXS_E_MEMORY;
@@ -309,7 +309,7 @@ static vxs_result add(private_set *s, const tile_ranges *t, const half_ranges *h
     if (like)
         *p = *like;
     else
-        choose(p, t, halves, one, s->cpu, base);
+        choose(p, t, halves, planes, s->cpu, base);
     for (int n = 0; n < 64; n++) {
         p->may.low[n]  = t->low[n] - *base;
         p->may.high[n] = t->high[n] - *base;
@@ -320,20 +320,20 @@ static vxs_result add(private_set *s, const tile_ranges *t, const half_ranges *h
     return VXS_OK;
 }
 
-static vxs_result find(private_set *s, const tile_ranges *t, const private_planes *one, const private_pattern *like, uint32_t *id,
-                       int32_t *base)
+static vxs_result find(private_set *s, const tile_ranges *t, const private_planes *planes, const private_pattern *like,
+                       uint32_t *id, int32_t *base)
 {
     half_ranges halves;
     int         at_half;
     halves.floor = least_high(t) - MARGIN;
-    if (greatest_low(t) - halves.floor > INT16_MAX - MARGIN) return add(s, t, NULL, one, like, id, base);
+    if (greatest_low(t) - halves.floor > INT16_MAX - MARGIN) return add(s, t, NULL, planes, like, id, base);
     for (int n = 0; n < 64; n++) {
         int32_t low = t->low[n] - halves.floor, high = t->high[n] - halves.floor;
         halves.low[n]  = (int16_t)(low < 0 ? 0 : low);
         halves.high[n] = (int16_t)(high > INT16_MAX ? INT16_MAX : high);
     }
     size_t at = search(s, &halves, &at_half);
-    if (at == s->known_count) return add(s, t, &halves, one, like, id, base);
+    if (at == s->known_count) return add(s, t, &halves, planes, like, id, base);
     *id   = s->known[at].id;
     *base = halves.floor + at_half;
     narrow(&s->patterns[*id], t, *base);
@@ -351,9 +351,9 @@ static vxs_result find(private_set *s, const tile_ranges *t, const private_plane
     return VXS_OK;
 }
 
-vxs_result private_find(private_set *s, const tile_ranges *t, const private_planes *one, uint32_t *id, int32_t *base)
+vxs_result private_find(private_set *s, const tile_ranges *t, const private_planes *planes, uint32_t *id, int32_t *base)
 {
-    return find(s, t, one, NULL, id, base);
+    return find(s, t, planes, NULL, id, base);
 }
 
 vxs_result private_adopt(private_set *s, const private_pattern *p, uint32_t *id, int32_t *base)

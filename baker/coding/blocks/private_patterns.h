@@ -67,16 +67,16 @@ typedef struct private_set {
 
     /* search order is last to first; only patterns whose depths fit into halves */
     struct private_known *known;
-    struct own_group     *groups;
+    struct pair_group    *groups;
     size_t                known_count, known_capacity, group_capacity;
     int                   cpu; /* [in] level of cpu.h for searches; affects only time */
 } private_set;
 
 /* Find a pattern that fits, or add one: planes, or depths that follow their neighbours as far as the ranges allow.
- * one   planes that were fitted to the ranges: one or two, or none
- * id    [out];   base  [out] added to the pattern's depths
+ * planes  that were fitted to the ranges: one or two, or none
+ * id      [out];   base  [out] added to the pattern's depths
  * Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result private_find(private_set *s, const tile_ranges *t, const private_planes *one, uint32_t *id, int32_t *base);
+vxs_result private_find(private_set *s, const tile_ranges *t, const private_planes *planes, uint32_t *id, int32_t *base);
 
 /* The same for a pattern of another set, within the ranges that its tiles allow. If no pattern fits, the pattern itself is
  * added. */

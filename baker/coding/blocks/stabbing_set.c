@@ -146,8 +146,8 @@ void axis_init_by_depths(depth_axis *a, const int32_t *depths, int16_t *codes, i
         first[n] = (placed_depth){depths[n], n};
     }
     for (int shift = 0; shift < 32 && (most - least) >> shift; shift += 8) {
+        /* a step of a stable radix sort, by one byte of the depths relative to `least` */
         placed_depth *was       = ordered;
-        /* a stable radix sort step: by one byte of the depths relative to `least` */
         int           next[256] = {0}, before = 0;
         for (int n = 0; n < count; n++) next[(ordered[n].depth - least) >> shift & 255]++;
         for (int byte = 0; byte < 256; byte++) {
@@ -198,10 +198,6 @@ int32_t axis_depth(const depth_axis *a, int16_t code)
 {
     return a->count ? a->depths[code >> 1] : a->floor + code;
 }
-
-#ifdef __x86_64__
-#include <immintrin.h>
-#endif
 
 /* Bits of the codes that are greater than a point. */
 typedef uint64_t find_behind(const int16_t codes[64], int16_t point);
