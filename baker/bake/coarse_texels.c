@@ -227,14 +227,15 @@ static double along_axis(const plan_light *l, const double at_ws[3])
 
 static size_t see_objects(seen_component *out, const check_scene *k, const object_list *list, const plan_light *l, int alone)
 {
-    size_t count = 0;
+    const double cosine = portable_cos(l->shape.outer_rad);
+    size_t       count  = 0;
     for (size_t n = 0; n < list->count; n++) {
         const box *b = &list->items[n].around;
         double     middle[3];
         if (alone && !counts_alone(k->c, &list->items[n], (uint32_t)n)) continue;
         for (int axis = 0; axis < 3; axis++) middle[axis] = 0.5 * (b->min[axis] + b->max[axis]);
         double metres = is_sun(l) ? 0 : along_axis(l, middle), texel = is_sun(l) ? 1 : metres;
-        if (!is_sun(l) && (!(metres > 0) || !light_reaches(&l->shape, middle))) continue;
+        if (!is_sun(l) && (!(metres > 0) || !light_reaches_by(&l->shape, cosine, middle))) continue;
         out[count++] = (seen_component){metres, box_width(b) / (texel * l->light.texel_metres)};
     }
     return count;

@@ -247,7 +247,7 @@ static double slope_of(const lit_points_desc *d)
 }
 
 /* A random point of the visible part of a triangle. Returns 0 when no part is visible. */
-static int point_of_punctual(lit_point *out, const lit_points_desc *d, const map_sides *sides, size_t t, rng *random)
+static int point_of_punctual(lit_point *out, const lit_points_desc *d, const map_sides *sides, double cosine, size_t t, rng *random)
 {
     map_polygon seen[VXS_CUBE_FACES];
     double      areas[VXS_CUBE_FACES], all = 0, at[3];
@@ -285,7 +285,7 @@ static int point_of_punctual(lit_point *out, const lit_points_desc *d, const map
         vec3_mad(out->at_ws, (n == 2 ? at[n] * frame.unit : at[n]) - frame.rows[n][3], frame.rows[n], out->at_ws);
     out->along_metres = at[2];
     out->weight       = all;
-    return light_reaches(d->shape, out->at_ws);
+    return light_reaches_by(d->shape, cosine, out->at_ws);
 }
 
 size_t lit_points_choose(lit_point *points, size_t count, const lit_points_desc *d)
@@ -327,7 +327,7 @@ size_t lit_points_choose(lit_point *points, size_t count, const lit_points_desc 
             p->weight       = polygon_area(&triangle);
             p->along_metres = 0;
             point_in(&triangle, p->weight, &random, p->at_ws);
-        } else if (!point_of_punctual(p, d, &sides, p->triangle, &random))
+        } else if (!point_of_punctual(p, d, &sides, cosine, p->triangle, &random))
             continue;
         p->weight /= likely * (double)count;
         found++;

@@ -121,12 +121,17 @@ const char *light_kind_name(light_kind kind)
 
 int light_reaches(const light_shape *light, const double point_ws[3])
 {
+    return light_reaches_by(light, portable_cos(light->outer_rad), point_ws);
+}
+
+int light_reaches_by(const light_shape *light, double cosine, const double point_ws[3])
+{
     if (light->kind == LIGHT_DIRECTIONAL) return 1;
     double to_point[3];
     vec3_sub(point_ws, light->position_ws, to_point);
     double distance = sqrt(vec3_dot(to_point, to_point));
     if (distance > light->range_metres) return 0;
-    return light->kind == LIGHT_POINT || vec3_dot(to_point, light->direction_ws) >= distance * portable_cos(light->outer_rad);
+    return light->kind == LIGHT_POINT || vec3_dot(to_point, light->direction_ws) >= distance * cosine;
 }
 
 int light_reaches_ball(const light_shape *light, const double middle_ws[3], double radius_metres)

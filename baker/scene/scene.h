@@ -283,6 +283,9 @@ const char *light_kind_name(light_kind kind);
 /* 1 when a point is within the light's cone and range (shadows are ignored). Directional: always. */
 int light_reaches(const light_shape *light, const double point_ws[3]);
 
+/* The same for many points; the caller computes the cosine of outer_rad once. */
+int light_reaches_by(const light_shape *light, double cosine, const double point_ws[3]);
+
 /* 1 when a part of a ball is within the light's cone and range. */
 int light_reaches_ball(const light_shape *light, const double middle_ws[3], double radius_metres);
 
