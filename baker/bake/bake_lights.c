@@ -42,14 +42,10 @@ static vxs_result bake_planned(const bake_options *o, const bake_plan *plan, con
     light_squares cache;
     chosen_coder  coding;
     chosen_coder_init(&coding, o, plan->compress, picture);
-    stage_begin(ctx, STAGE_GL);
-    vxs_result r = light_columns_init(&columns, device, o, plan, planned, c, picture, ctx->run);
-    stage_begin(ctx, STAGE_NONE);
-    if (r == VXS_OK) {
-        column_source source = light_columns_source(&columns);
-        r                    = light_squares_source(&cache, squares, &source, &planned->light, light, ctx->run);
-        if (r == VXS_OK) r = bake_light(planned, &source, &coding.coder, is_baked_apart(o) ? NULL : out, ctx);
-    }
+    light_columns_init(&columns, device, o, plan, planned, c, picture);
+    column_source source = light_columns_source(&columns);
+    vxs_result    r      = light_squares_source(&cache, squares, &source, &planned->light, light, ctx->run);
+    if (r == VXS_OK) r = bake_light(planned, &source, &coding.coder, is_baked_apart(o) ? NULL : out, ctx);
 
     const build_stats *stats  = coding.stats;
     uint64_t           across = max_u32(1, (1u << planned->light.levels) / plan->tile_px);

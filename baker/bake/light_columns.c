@@ -15,30 +15,28 @@ static vxs_result take_depths(void *user, uint32_t map, uint32_t i, uint32_t j, 
     return VXS_OK;
 }
 
-vxs_result light_columns_init(light_columns *c, void *device, const bake_options *o, const bake_plan *plan,
-                              const plan_light *planned, const casters *all, light_picture *picture, run_context *m)
+void light_columns_init(light_columns *c, void *device, const bake_options *o, const bake_plan *plan, const plan_light *planned,
+                        const casters *all, light_picture *picture)
 {
     memset(c, 0, sizeof *c);
-    c->all        = all;
     c->maps       = o->maps;
     c->renderer   = o->renderer;
     c->picture    = picture;
     uint32_t tile = min_u32(1u << planned->light.levels, plan->tile_px);
     c->rendered   = (rendered_columns){.device       = device,
-                                       .casters      = &c->near,
+                                       .casters      = all,
                                        .light        = &planned->light,
                                        .exit         = plan->peels_all ? EXIT_PEEL : o->exit,
                                        .has_exit_map = plan->has_exit_map,
                                        .tile_px      = tile,
                                        .watch        = take_depths,
                                        .watch_user   = c};
-    c->sparse     = (sparse_columns){.casters          = &c->near,
+    c->sparse     = (sparse_columns){.casters          = all,
                                      .light            = &planned->light,
                                      .free_behind      = o->behind == BEHIND_FREE,
                                      .thickness_metres = o->thickness_metres,
                                      .nearest_back     = o->exit == EXIT_BACK,
                                      .fetch_px         = tile};
-    return reach_casters(&c->near, &plan->reach, all, &planned->shape, m);
 }
 
 column_source light_columns_source(light_columns *c)
@@ -65,6 +63,5 @@ vxs_result light_columns_draw(const light_columns *c, light_picture *picture, ba
 void light_columns_free(light_columns *c)
 {
     if (c->renderer) c->renderer->free(&c->rendered);
-    if (c->all) reach_release(&c->near, c->all);
     memset(c, 0, sizeof *c);
 }

@@ -1,4 +1,4 @@
-/* Column source of a planned light: maps of the casters that it reaches, rendered with OpenGL or computed straight from triangles.
+/* Column source of a planned light: its maps, rendered with OpenGL or computed straight from triangles.
  * Rendered depths are also drawn into the light's picture.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef LIGHT_COLUMNS_H
@@ -13,16 +13,13 @@ typedef struct light_columns {
     const column_renderer *renderer; /* for rendered maps */
     rendered_columns       rendered; /* used by `maps`: this one, or sparse */
     sparse_columns         sparse;
-    casters                near; /* that the light may reach */
-    const casters         *all;
     light_picture         *picture; /* NULL: not wanted; borrowed */
 } light_columns;
 
 /* device  of the renderer; NULL if nothing is rendered
- * device, plan, planned, all  borrowed until light_columns_free
- * Returns VXS_OK or VXS_E_MEMORY; released with light_columns_free either way. */
-vxs_result light_columns_init(light_columns *c, void *device, const bake_options *o, const bake_plan *plan,
-                              const plan_light *planned, const casters *all, light_picture *picture, run_context *m);
+ * device, plan, planned, all  borrowed until light_columns_free; released with that */
+void light_columns_init(light_columns *c, void *device, const bake_options *o, const bake_plan *plan, const plan_light *planned,
+                        const casters *all, light_picture *picture);
 
 /* Valid until light_columns_free, while c stays at its address. */
 column_source light_columns_source(light_columns *c);

@@ -35,12 +35,9 @@ static vxs_result fit_light(void *user, size_t n, uint32_t worker, run_context *
                                   .resolution_max = RESOLUTION_MAX_PX,
                                   .region_ws      = f->o->region_given ? f->o->region_ws : NULL,
                                   .threads        = f->plan->light_count > 1 ? 1 : f->o->threads};
-    casters             near;
     (void)worker;
-    fit.resolution = light_resolution(f->o, chosen->name, &fit.texel_metres);
-    vxs_result r   = reach_casters(&near, &f->plan->reach, f->c, &chosen->shape, m);
-    if (r == VXS_OK) r = light_fit(&l->light, &near, &fit, m);
-    reach_release(&near, f->c);
+    fit.resolution  = light_resolution(f->o, chosen->name, &fit.texel_metres);
+    vxs_result r    = light_fit(&l->light, f->c, &fit, m);
     l->shape        = chosen->shape;
     l->light.coding = f->o->coding == CODING_DAG ? VXS_CODING_DAG : VXS_CODING_BLOCKS;
     snprintf(l->name, sizeof l->name, "%s", chosen->name);
@@ -193,10 +190,12 @@ static vxs_result plan_memory(bake_plan *plan, const bake_options *o, const cast
 vxs_result plan_make(bake_plan *plan, const bake_options *o, casters *c, const scene *s, const light_choice *chosen,
                      uint64_t scene_bytes, run_context *m)
 {
-    double     start = clock_seconds();
-    vxs_result r;
-    *plan = (bake_plan){.scene_bytes = scene_bytes};
-    if ((r = reach_init(&plan->reach, c, m)) != VXS_OK) goto done;
+    double start = clock_seconds();
+    int    suns  = 1;
+    *plan        = (bake_plan){.scene_bytes = scene_bytes};
+    for (size_t n = 0; n < chosen->count; n++) suns &= chosen->lights[n].shape.kind == LIGHT_DIRECTIONAL;
+    vxs_result r = suns || c->runs ? VXS_OK : casters_find_runs(c, m);
+    if (r != VXS_OK) goto done;
 
     r = light_choice_require(chosen, "--resolution", &o->resolutions, m);
     if (r == VXS_OK) r = light_choice_require(chosen, "--texel", &o->texels, m);
@@ -238,7 +237,6 @@ done:
 
 void plan_free(bake_plan *plan)
 {
-    reach_free(&plan->reach);
     free(plan->lights);
     memset(plan, 0, sizeof *plan);
 }

@@ -96,7 +96,6 @@ typedef struct bake_plan {
     uint64_t least_bytes;   /* need of the smallest plan */
     uint64_t scene_bytes;   /* of the scene's file */
 
-    reach_index reach;
     plan_light *lights; /* [light_count] as chosen, including lights that are not baked */
     size_t      light_count, baked_count;
 
@@ -113,7 +112,7 @@ extern const char REACHES_NOTHING[];
 
 /* Make a plan.
  * plan         [out] zeroed on failure; released with plan_free
- * c            solid_meets is set if the plan needs it
+ * c            runs and solid_meets are set if the plan needs them
  * s            scene of c, for names in warnings; NULL: none
  * scene_bytes  of the scene's file
  * Returns VXS_OK; VXS_E_NO_LIGHT if no light reaches a caster; VXS_E_ARGUMENT for a light that cannot be fitted, or two lights of

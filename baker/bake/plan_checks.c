@@ -204,8 +204,7 @@ static vxs_result search_light(void *user, size_t n, uint32_t worker, run_contex
     check_scene        *k = s->k;
     plan_light         *l = &k->plan->lights[n];
     lit_point           points[POINTS];
-    lit_points_desc     d = {
-            .c = k->c, .reach = &k->plan->reach, .shape = &l->shape, .light = &l->light, .triangles_max = POINT_TRIANGLES_MAX};
+    lit_points_desc     d = {.c = k->c, .shape = &l->shape, .light = &l->light, .triangles_max = POINT_TRIANGLES_MAX};
     (void)worker;
     (void)m;
     if (l->left_out) return VXS_OK;

@@ -40,7 +40,7 @@ typedef struct sampler {
     light_sample       *s;
     const vxs_light    *light;
     const bake_options *o;
-    const casters      *near; /* that the light may reach */
+    const casters      *c;
     int                 peels_all;
     uint32_t            workers;
     uint32_t            side_px, window_px;
@@ -241,13 +241,13 @@ static vxs_result sample_map(sampler *job, run_context *m)
 {
     const bake_options *o      = job->o;
     bake_context        ctx    = {.run = m, .threads = o->threads};
-    sparse_columns      source = {.casters          = job->near,
+    sparse_columns      source = {.casters          = job->c,
                                   .light            = job->light,
                                   .free_behind      = o->behind == BEHIND_FREE,
                                   .thickness_metres = o->thickness_metres,
                                   .nearest_back     = o->exit == EXIT_BACK,
                                   .fetch_px         = job->window_px};
-    vxs_result          r      = projection_init(&job->p, job->near, job->light, (int)job->map, o->threads, m);
+    vxs_result          r      = projection_init(&job->p, job->c, job->light, (int)job->map, o->threads, m);
     if (r != VXS_OK) return r;
     if (!(job->kept = malloc(job->p.triangle_count + 1))) return VXS_E_MEMORY;
     memset(job->counts, 0, job->workers * CLASSES * job->counts_size * sizeof *job->counts);
@@ -328,14 +328,13 @@ static vxs_result sample_maps(sampler *job, run_context *m)
 vxs_result plan_sample_light(plan_light *l, const bake_plan *plan, uint32_t maps, const bake_options *o, const casters *c,
                              run_context *m)
 {
-    casters  near;
     sampler *job = malloc(sizeof *job);
     if (!job) return fail(m, VXS_E_MEMORY, "out of memory for a sample of a map");
     l->sample        = (light_sample){0};
     *job             = (sampler){.s         = &l->sample,
                                  .light     = &l->light,
                                  .o         = o,
-                                 .near      = &near,
+                                 .c         = c,
                                  .peels_all = plan->peels_all,
                                  .workers   = min_u32(max_u32(o->threads, 1), WORKERS_MAX),
                                  .side_px   = 1u << l->light.levels};
@@ -344,9 +343,7 @@ vxs_result plan_sample_light(plan_light *l, const bake_plan *plan, uint32_t maps
     job->blocks      = job->side_px >> job->block_log2;
     job->counts_size = (size_t)(job->blocks + 1) * (job->blocks + 1);
     place_windows(job, maps);
-    vxs_result r = reach_casters(&near, &plan->reach, c, &l->shape, m);
-    if (r == VXS_OK) r = sample_maps(job, m);
-    reach_release(&near, c);
+    vxs_result r = sample_maps(job, m);
     free(job->counts);
     free(job->entries);
     block_set_free(&job->set);

@@ -19,13 +19,11 @@ enum { TWO_SIDED_SHARE = 4 };
 
 #define THICKNESS_METRES 0.02
 
-/* Add a saving, unless it is below a share of the whole.
- * reach  of c */
-static vxs_result consider(bake_plan *plan, const reach_index *reach, const bake_options *asked, const casters *c,
-                           plan_saving saving, double least_share, run_context *m)
+/* Add a saving, unless it is below a share of the whole. */
+static vxs_result consider(bake_plan *plan, const bake_options *asked, const casters *c, plan_saving saving, double least_share,
+                           run_context *m)
 {
     bake_plan as_if = *plan;
-    as_if.reach     = *reach;
     as_if.lights    = malloc(plan->light_count * sizeof *as_if.lights);
     if (!as_if.lights) return fail(m, VXS_E_MEMORY, "out of memory for an estimate of %s", saving.option);
     memcpy(as_if.lights, plan->lights, plan->light_count * sizeof *as_if.lights);
@@ -58,15 +56,15 @@ vxs_result plan_find_closed(bake_plan *plan, const bake_options *o, const caster
     double      start  = clock_seconds();
     plan_saving saving = {.option = "--closed on", .triangles = c->triangles_of_kind[COMPONENT_SHEET_DOUBLE_SIDED]};
     casters     closed;
-    reach_index reach = {0};
-    vxs_result  r     = VXS_OK;
+    vxs_result  r = VXS_OK;
     if (o->maps != MAPS_SPARSE || o->closed != CLOSED_AUTO || TWO_SIDED_SHARE * saving.triangles < casters_whole_count(c)) return r;
 
-    /* The casters with these components as solids, which is the main effect of --closed on. The result owns only indices and
-     * double_sided. */
+    /* The casters with these components as solids, which is the main effect of --closed on. The result owns only indices,
+     * runs and double_sided. */
     double *volumes     = calloc(casters_component_count(c) + 1, sizeof *volumes);
     closed              = *c;
     closed.edge_mates   = NULL; /* triangles get other numbers */
+    closed.runs         = NULL;
     closed.indices      = malloc(3 * c->triangle_count * sizeof *closed.indices);
     closed.double_sided = malloc(c->triangle_count);
     int ok              = volumes && closed.indices && closed.double_sided;
@@ -89,9 +87,9 @@ vxs_result plan_find_closed(bake_plan *plan, const bake_options *o, const caster
     free(volumes);
     if (!ok) r = fail(m, VXS_E_MEMORY, "out of memory for an estimate of --closed on");
 
-    if (r == VXS_OK) r = reach_init(&reach, &closed, m);
-    if (r == VXS_OK) r = consider(plan, &reach, o, &closed, saving, LEAST_SHARE_CLOSED, m);
-    reach_free(&reach);
+    if (r == VXS_OK && c->runs) r = casters_find_runs(&closed, m);
+    if (r == VXS_OK) r = consider(plan, o, &closed, saving, LEAST_SHARE_CLOSED, m);
+    free(closed.runs);
     free(closed.indices);
     free(closed.double_sided);
     plan->plan_seconds += clock_seconds() - start;
@@ -106,10 +104,9 @@ vxs_result plan_find_savings(bake_plan *plan, const bake_options *o, const caste
     behind.behind          = BEHIND_FREE;
     thick.thickness_metres = THICKNESS_METRES;
     if (o->maps != MAPS_SPARSE || c->solid_triangle_count == c->triangle_count) return r;
-    if (o->behind != BEHIND_FREE)
-        r = consider(plan, &plan->reach, &behind, c, (plan_saving){.option = "--behind free"}, LEAST_SHARE_SAVED, m);
+    if (o->behind != BEHIND_FREE) r = consider(plan, &behind, c, (plan_saving){.option = "--behind free"}, LEAST_SHARE_SAVED, m);
     if (r == VXS_OK && !(o->thickness_metres > 0))
-        r = consider(plan, &plan->reach, &thick, c, (plan_saving){.option = "--thickness 0.02"}, LEAST_SHARE_SAVED, m);
+        r = consider(plan, &thick, c, (plan_saving){.option = "--thickness 0.02"}, LEAST_SHARE_SAVED, m);
     plan->plan_seconds += clock_seconds() - start;
     return r;
 }

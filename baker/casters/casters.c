@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "baker/base/box.h"
+#include "baker/base/integer.h"
 
 void casters_free(casters *c)
 {
@@ -16,11 +17,23 @@ void casters_free(casters *c)
     free(c->kind_of);
     free(c->parts_of);
     free(c->boxes);
+    free(c->runs);
     free(c->solid_meets);
     free(c->alpha_masks);
     free(c->alpha_mask_first);
     free(c->hole_uvs);
     *c = (casters){0};
+}
+
+vxs_result casters_find_runs(casters *c, run_context *m)
+{
+    size_t count = (c->triangle_count + CASTERS_RUN - 1) / CASTERS_RUN;
+    if (!(c->runs = malloc((count + 1) * sizeof *c->runs))) return fail(m, VXS_E_MEMORY, "out of memory for the reach of lights");
+    for (size_t n = 0; n < count; n++) {
+        size_t first = n * CASTERS_RUN, left = c->triangle_count - first;
+        c->runs[n] = box_of_corners(c->positions_ws, c->indices + 3 * first, 3 * (left < CASTERS_RUN ? left : CASTERS_RUN));
+    }
+    return VXS_OK;
 }
 
 box casters_bounds(const casters *c)

@@ -40,6 +40,8 @@ typedef struct border_counts {
     size_t joined; /* vertices merged into another vertex */
 } border_counts;
 
+enum { CASTERS_RUN = 64 };
+
 typedef struct casters {
     size_t  vertex_count;
     double *positions_ws; /* [3 * vertex_count] welded: vertices have different positions */
@@ -64,6 +66,10 @@ typedef struct casters {
     /* [3 * triangle_count] half-edges, 3 t + i from corner i of triangle t. Where an edge has just two, in opposite directions, each
      * has the other one here; else UINT32_MAX. NULL: not known */
     uint32_t *edge_mates;
+
+    /* Bounding boxes of each CASTERS_RUN consecutive triangles; the last run may be shorter. NULL before casters_find_runs: maps of
+     * spot and point lights then look at each triangle */
+    struct box *runs;
 
     uint32_t *component_of; /* [triangle_count] component numbers: solids first, each kind in the order of first triangles */
     uint8_t  *kind_of;      /* [all components] component_kind */
@@ -111,6 +117,9 @@ vxs_result casters_for_maps(casters *c, const scene *s, closed_mode closed, uint
  * Returns VXS_OK or VXS_E_MEMORY (then solid_meets is NULL). The result does not depend on the number of threads, unless the search
  * gives up. */
 vxs_result casters_find_meeting(casters *c, uint32_t threads, run_context *m);
+
+/* Fill runs. Returns VXS_OK or VXS_E_MEMORY. */
+vxs_result casters_find_runs(casters *c, run_context *m);
 
 void casters_free(casters *c);
 

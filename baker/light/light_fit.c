@@ -63,29 +63,70 @@ static double polygon_distance(const map_polygon *p)
     return above ? fabs(vec3_dot(p->corners[0].at, normal)) / sqrt(vec3_dot(normal, normal)) : nearest;
 }
 
+typedef struct measurer {
+    const vxs_light *light;
+    const casters   *c;
+    double           range_metres;
+    int              map;
+    map_frame        frame;
+    map_sides        sides;
+    map_plane        planes[MAP_SIDES], along, against; /* the sides; distance along the map's axis, and its negative */
+    reach            r;                                 /* so far */
+} measurer;
+
+/* Whether casters at these distances cannot change the reach, also when clipping rounds them. */
+static int adds_nothing(const measurer *w, double least, double most)
+{
+    double rounding = 1e-12 * most;
+    return least > w->range_metres * (1 + 1e-6) ||
+           (least >= w->r.near + rounding && (most <= w->r.far - rounding || w->r.far >= w->range_metres));
+}
+
+static int skips_run(const measurer *w, const box *run)
+{
+    for (int n = 0; n < MAP_SIDES; n++)
+        if (map_plane_most(&w->planes[n], run) < 0) return 1;
+    return adds_nothing(w, -map_plane_most(&w->against, run), map_plane_most(&w->along, run));
+}
+
+static void measure_triangle(measurer *w, size_t n)
+{
+    map_polygon triangle, kept;
+    triangle.count = 3;
+    for (int k = 0; k < 3; k++) {
+        map_corner *corner = &triangle.corners[k];
+        corner->uv[0] = corner->uv[1] = 0;
+        map_space_from_ws(&w->frame, w->c->positions_ws + 3 * (size_t)w->c->indices[3 * n + (size_t)k], corner->at);
+    }
+    double a = triangle.corners[0].at[2], b = triangle.corners[1].at[2], c = triangle.corners[2].at[2];
+    if (adds_nothing(w, fmin(a, fmin(b, c)), fmax(a, fmax(b, c)))) return;
+    if (!map_sides_touch(&w->sides, &triangle) || map_space_behind(w->light, w->map, &triangle) || edge_on(&triangle)) return;
+    map_sides_clip(&w->sides, &triangle, &kept);
+
+    if (kept.count < 3 || polygon_distance(&kept) > w->range_metres) return;
+    for (int i = 0; i < kept.count; i++) {
+        w->r.near = fmin(w->r.near, kept.corners[i].at[2]);
+        w->r.far  = fmax(w->r.far, fmin(kept.corners[i].at[2], w->range_metres));
+    }
+}
+
 /* Near and far of the casters in the light's maps and range. far is 0 when there are none. */
 static reach measure(const vxs_light *light, const casters *c, double range_metres)
 {
-    reach     r    = {INFINITY, 0};
-    int       maps = (int)vxs_map_count(light);
-    map_sides s    = map_sides_of(light, 0);
-    for (int map = 0; map < maps; map++) {
-        map_frame frame = map_frame_of(light, map);
-        for (size_t n = 0; n < c->triangle_count; n++) {
-            map_polygon triangle = {.count = 3}, kept;
-            for (int k = 0; k < 3; k++)
-                map_space_from_ws(&frame, c->positions_ws + 3 * (size_t)c->indices[3 * n + k], triangle.corners[k].at);
-            if (!map_sides_touch(&s, &triangle) || map_space_behind(light, map, &triangle) || edge_on(&triangle)) continue;
-            map_sides_clip(&s, &triangle, &kept);
-
-            if (kept.count < 3 || polygon_distance(&kept) > range_metres) continue;
-            for (int i = 0; i < kept.count; i++) {
-                r.near = fmin(r.near, kept.corners[i].at[2]);
-                r.far  = fmax(r.far, fmin(kept.corners[i].at[2], range_metres));
-            }
-        }
+    measurer w    = {.light = light, .c = c, .range_metres = range_metres, .sides = map_sides_of(light, 0), .r = {INFINITY, 0}};
+    int      maps = (int)vxs_map_count(light);
+    for (w.map = 0; w.map < maps; w.map++) {
+        w.frame   = map_frame_of(light, w.map);
+        w.along   = map_plane_of(&w.frame, (double[4]){0, 0, 1, 0});
+        w.against = map_plane_of(&w.frame, (double[4]){0, 0, -1, 0});
+        for (int n = 0; n < MAP_SIDES; n++) w.planes[n] = map_plane_of(&w.frame, w.sides.n[n]);
+        for (size_t n = 0; n < c->triangle_count; n++)
+            if (n % CASTERS_RUN == 0 && c->runs && skips_run(&w, &c->runs[n / CASTERS_RUN]))
+                n += CASTERS_RUN - 1;
+            else
+                measure_triangle(&w, n);
     }
-    return r;
+    return w.r;
 }
 
 /* Border texels at each side of the cone, or of a side of the cube. */

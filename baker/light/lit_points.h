@@ -1,37 +1,10 @@
-/* Which casters a light reaches, and random points on them.
+/* Random points on the casters that a light reaches.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #ifndef LIT_POINTS_H
 #define LIT_POINTS_H
 
 #include "baker/casters/casters.h"
 #include "formats/vxs_file.h"
-
-/* Index to find the casters that may lie in a spot light's map without testing each: for scenes with many lights.
- *
- * Consecutive triangles form runs, each with a bounding sphere. Only casters outside the map's sides are left out. So a map of the
- * reached casters equals the map of all casters, texel by texel. */
-
-typedef struct reach_run {
-    double center_ws[3], radius_metres;
-} reach_run;
-
-typedef struct reach_index {
-    size_t     run_count;
-    reach_run *runs; /* REACH_RUN triangles each; the last run may be shorter */
-} reach_index;
-
-enum { REACH_RUN = 64 };
-
-/* Returns VXS_OK or VXS_E_MEMORY; released with reach_free either way. */
-vxs_result reach_init(reach_index *x, const casters *c, run_context *m);
-void       reach_free(reach_index *x);
-
-/* The casters that may lie in a light's map, in their order. All of them, unless the light is a spot light with one map. May be
- * empty.
- * out  [out] zeroed on failure; released with reach_release. Borrows masks and images, and everything when it is all of c.
- * Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result reach_casters(casters *out, const reach_index *x, const casters *c, const light_shape *light, run_context *m);
-void       reach_release(casters *out, const casters *c);
 
 /* Random points on the casters within a light's maps and range: a sample of the surfaces that it can light. */
 
@@ -44,7 +17,6 @@ typedef struct lit_point {
 
 typedef struct lit_points_desc {
     const casters     *c;
-    const reach_index *reach; /* index of c */
     const light_shape *shape;
     const vxs_light   *light; /* fitted to `shape` */
 

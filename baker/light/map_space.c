@@ -11,6 +11,8 @@
 #include "formats/vxs_space.h"
 #include "runtime/vxs.h"
 
+#include "baker/base/box.h" /* after vxs_space.h, which has variables of that name */
+
 /* Casters may be nearer than the near plane. Parts nearer than this share of it are clipped. */
 #define NEAREST_SHARE (1.0 / 1024)
 
@@ -22,19 +24,39 @@ map_frame map_frame_of(const vxs_light *light, int map)
     return f;
 }
 
-/* Metres along the direction of a spot light. */
-static double along_spot(int face, const double at[3])
+map_plane map_plane_of(const map_frame *f, const double side[4])
 {
-    int n = vxs_face_axis_from_ls(face, 2);
-    return n == 2 ? at[2] * vxs_face_sign(face) : at[n];
+    map_plane p = {{0, 0, 0, side[3]}, {0, 0, 0, fabs(side[3])}};
+    for (int row = 0; row < 3; row++)
+        for (int k = 0; k < 4; k++) {
+            double term = (row == 2 ? side[row] * f->unit : side[row]) * f->rows[row][k];
+            p.n[k] += term;
+            p.sizes[k] += fabs(term);
+        }
+    return p;
+}
+
+double map_plane_most(const map_plane *p, const box *b)
+{
+    double most = p->n[3], size = p->sizes[3];
+    for (int k = 0; k < 3; k++) {
+        most += p->n[k] * (p->n[k] > 0 ? b->max[k] : b->min[k]);
+        size += p->sizes[k] * fmax(fabs(b->min[k]), fabs(b->max[k]));
+    }
+    return most + 0x1p-46 * size;
+}
+
+int map_space_point_behind(const vxs_light *light, int map, const double at[3])
+{
+    if (light->kind != VXS_LIGHT_KIND_SPOT) return 0;
+    const int face = vxs_face_of_map(light, map), n = vxs_face_axis_from_ls(face, 2);
+    return (n == 2 ? at[2] * vxs_face_sign(face) : at[n]) < 0;
 }
 
 int map_space_behind(const vxs_light *light, int map, const map_polygon *triangle)
 {
-    if (light->kind != VXS_LIGHT_KIND_SPOT) return 0;
-    const int face = vxs_face_of_map(light, map);
     for (int n = 0; n < triangle->count; n++)
-        if (along_spot(face, triangle->corners[n].at) >= 0) return 0;
+        if (!map_space_point_behind(light, map, triangle->corners[n].at)) return 0;
     return 1;
 }
 
@@ -56,19 +78,20 @@ map_sides map_sides_of(const vxs_light *light, double beyond_px)
     return s;
 }
 
-static double inside_by(const double side[4], const map_corner *c)
-{
-    return side[0] * c->at[0] + side[1] * c->at[1] + side[2] * c->at[2] + side[3];
-}
-
 int map_sides_touch(const map_sides *s, const map_polygon *triangle)
 {
     for (int n = 0; n < MAP_SIDES; n++) {
         int outside = 1;
-        for (int k = 0; k < triangle->count; k++) outside &= inside_by(s->n[n], &triangle->corners[k]) < 0;
+        for (int k = 0; k < triangle->count; k++) outside &= map_side_at(s->n[n], triangle->corners[k].at) < 0;
         if (outside) return 0;
     }
     return 1;
+}
+
+static void copy(map_polygon *to, const map_polygon *from)
+{
+    to->count = from->count;
+    memcpy(to->corners, from->corners, (size_t)from->count * sizeof *to->corners);
 }
 
 /* Intersection of an edge with a side. Always computed from the inside corner to the outside one, so that both triangles of an edge
@@ -87,7 +110,7 @@ static int clip(const double side[4], const map_polygon *polygon, map_polygon *o
 {
     double d[MAP_CORNERS_MAX];
     int    whole = 1;
-    for (int n = 0; n < polygon->count; n++) whole &= (d[n] = inside_by(side, &polygon->corners[n])) >= 0;
+    for (int n = 0; n < polygon->count; n++) whole &= (d[n] = map_side_at(side, polygon->corners[n].at)) >= 0;
     if (whole) return 0;
     out->count = 0;
     for (int n = 0; n < polygon->count && out->count < MAP_CORNERS_MAX - 1; n++) {
@@ -104,11 +127,11 @@ int map_sides_clip(const map_sides *s, const map_polygon *triangle, map_polygon 
 {
     map_polygon kept;
     int         clipped = 0;
-    *out                = *triangle;
+    copy(out, triangle);
     /* the last side (the tip) first: the other sides are only valid in front of it */
     for (int n = MAP_SIDES - 1; n >= 0 && out->count; n--)
         if (clip(s->n[n], out, &kept)) {
-            *out    = kept;
+            copy(out, &kept);
             clipped = 1;
         }
     return clipped;

@@ -42,11 +42,31 @@ static inline void map_space_from_ws(const map_frame *f, const double point_ws[3
     out[2] *= f->unit;
 }
 
-/* 1 when a triangle lies behind a spot light. No cone includes it, but some maps of a cube do. */
+struct box; /* baker/base/box.h */
+
+/* A linear function of points in world space. */
+typedef struct map_plane {
+    double n[4], sizes[4]; /* n . point + n[3]; sums of the sizes of the terms of n, for rounding */
+} map_plane;
+
+/* A linear function of map space, such as one of map_sides. */
+map_plane map_plane_of(const map_frame *f, const double side[4]);
+
+/* No point of the box gets more than this from the function in map space, computed as map_side_at. */
+double map_plane_most(const map_plane *p, const struct box *b);
+
+/* 1 when a point, or all of a triangle, lies behind a spot light. No cone includes it, but some maps of a cube do. */
+int map_space_point_behind(const vxs_light *light, int map, const double at[3]);
 int map_space_behind(const vxs_light *light, int map, const map_polygon *triangle);
 
 /* Sides of a light's maps, moved outward by beyond_px texels. */
 map_sides map_sides_of(const vxs_light *light, double beyond_px);
+
+/* How far inside a side a point of map space is; below 0: outside. */
+static inline double map_side_at(const double side[4], const double at[3])
+{
+    return side[0] * at[0] + side[1] * at[1] + side[2] * at[2] + side[3];
+}
 
 /* 0 when a triangle is outside one of the sides; 1: it may be inside. */
 int map_sides_touch(const map_sides *s, const map_polygon *triangle);

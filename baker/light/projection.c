@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "baker/base/array.h"
+#include "baker/base/box.h"
 #include "baker/base/pages.h"
 #include "baker/base/parallel.h"
 #include "baker/light/map_space.h"
@@ -15,15 +16,27 @@
 
 enum { GRAIN = 4096 };
 
+/* A vertex of the casters in map space. */
+typedef struct seen_vertex {
+    double   at[3];
+    uint32_t outside; /* bits of planes that it is outside of */
+    uint32_t vertex;  /* number in the projection, or NONE */
+} seen_vertex;
+
+/* Bits of seen_vertex: sides one texel beyond the map; the plane of a spot light; sides beyond which triangles are clipped. */
+enum { TOUCH_SIDES = (1 << MAP_SIDES) - 1, BEHIND = 1 << MAP_SIDES, KEEP_SHIFT = MAP_SIDES + 1 };
+
 typedef struct projector {
     projection      *p;
     const vxs_light *light;
     int              map;
     double           side_px;
     map_frame        frame;
-    map_corner      *corners; /* [casters->vertex_count] in map space */
     map_sides        touch, keep;
-    uint32_t        *slot; /* [casters->vertex_count] vertex number in the projection, or NONE */
+    map_plane        touch_ws[MAP_SIDES]; /* touch, in world space */
+    uint32_t        *seen_as;             /* [casters->vertex_count] 1 + number in seen; 0: not seen yet */
+    seen_vertex     *seen;                /* vertices of triangles in runs that may touch the map */
+    size_t           seen_count, seen_capacity;
     size_t           vertex_capacity, triangle_capacity, uvq_capacity, meets_capacity, sides_capacity;
     uint8_t          meets;                               /* for the current caster; 1: its solid meets another solid or itself */
     uint8_t          double_sided;                        /* for the current caster; 1: double-sided */
@@ -35,13 +48,6 @@ static vertex_ls project(const projector *w, const double at[3])
     if (!w->p->reversed) return (vertex_ls){at[0], at[1], at[2]};
     double per_px = at[2] * w->light->texel_metres;
     return (vertex_ls){0.5 * w->side_px + at[0] / per_px, 0.5 * w->side_px + at[1] / per_px, w->light->near_metres / at[2]};
-}
-
-static void transform_vertices(void *user, size_t begin, size_t end, uint32_t worker)
-{
-    projector *w = user;
-    (void)worker;
-    for (size_t n = begin; n < end; n++) map_space_from_ws(&w->frame, w->p->casters->positions_ws + 3 * n, w->corners[n].at);
 }
 
 /* Project vertices for a directional light; often all of them are in bounds. */
@@ -95,28 +101,64 @@ static int add_triangle(projector *w, const uint32_t corners[3])
     return 1;
 }
 
+static uint32_t outside_of(const projector *w, const double at[3])
+{
+    uint32_t outside = map_space_point_behind(w->light, w->map, at) ? BEHIND : 0;
+    for (int n = 0; n < MAP_SIDES; n++) {
+        outside |= (uint32_t)(map_side_at(w->touch.n[n], at) < 0) << n;
+        outside |= (uint32_t) !(map_side_at(w->keep.n[n], at) >= 0) << (KEEP_SHIFT + n);
+    }
+    return outside;
+}
+
+/* Returns the number of a vertex in w->seen, where there is room for it. */
+static uint32_t see(projector *w, uint32_t vertex)
+{
+    uint32_t *as = &w->seen_as[vertex];
+    if (!*as) {
+        seen_vertex *s = &w->seen[w->seen_count];
+        map_space_from_ws(&w->frame, w->p->casters->positions_ws + 3 * (size_t)vertex, s->at);
+        s->outside = outside_of(w, s->at);
+        s->vertex  = NONE;
+        *as        = (uint32_t)++w->seen_count;
+    }
+    return *as - 1;
+}
+
+static void set_corner(map_corner *to, const projector *w, const seen_vertex *s, size_t triangle, size_t k)
+{
+    const casters *c         = w->p->casters;
+    int            has_holes = c->alpha_mask_count && triangle >= c->holed_first;
+    memcpy(to->at, s->at, sizeof to->at);
+    for (size_t n = 0; n < 2; n++) to->uv[n] = has_holes ? (double)c->hole_uvs[6 * (triangle - c->holed_first) + 2 * k + n] : 0;
+}
+
 static int add_caster(projector *w, size_t n)
 {
-    const casters  *c        = w->p->casters;
-    const uint32_t *caster   = c->indices + 3 * n;
-    map_polygon     triangle = {.count = 3}, kept;
-    w->meets                 = n < c->solid_triangle_count && (!c->solid_meets || c->solid_meets[n]);
-    w->double_sided          = c->double_sided && c->double_sided[n];
-    int has_holes            = c->alpha_mask_count && n >= c->holed_first;
-    for (int k = 0; k < 3; k++) triangle.corners[k] = w->corners[caster[k]];
-    for (int k = 0; k < 6 && has_holes; k++)
-        triangle.corners[k / 2].uv[k % 2] = (double)c->hole_uvs[6 * (n - c->holed_first) + (size_t)k];
-    if (!map_sides_touch(&w->touch, &triangle) || map_space_behind(w->light, w->map, &triangle)) return 1;
-    if (!map_sides_clip(&w->keep, &triangle, &kept)) {
+    const casters *c = w->p->casters;
+    map_polygon    triangle, kept;
+    seen_vertex   *seen[3];
+    uint32_t       number[3];
+    if (!array_reserve(&w->seen, &w->seen_capacity, w->seen_count + 3, sizeof *w->seen)) return 0;
+    for (size_t k = 0; k < 3; k++) number[k] = see(w, c->indices[3 * n + k]);
+    for (size_t k = 0; k < 3; k++) seen[k] = &w->seen[number[k]];
+    if (seen[0]->outside & seen[1]->outside & seen[2]->outside & (TOUCH_SIDES | BEHIND)) return 1;
+    w->meets        = n < c->solid_triangle_count && (!c->solid_meets || c->solid_meets[n]);
+    w->double_sided = c->double_sided && c->double_sided[n];
+    int has_holes   = c->alpha_mask_count && n >= c->holed_first;
+    int clipped     = (seen[0]->outside | seen[1]->outside | seen[2]->outside) >> KEEP_SHIFT != 0;
+    triangle.count  = 3;
+    for (size_t k = 0; k < 3 && (clipped || has_holes); k++) set_corner(&triangle.corners[k], w, seen[k], n, k);
+    if (!clipped) {
         uint32_t corners[3];
         for (int i = 0; i < 3; i++) {
-            uint32_t *slot = &w->slot[caster[i]];
-            if (*slot == NONE && (*slot = add_vertex(w, w->corners[caster[i]].at)) == NONE) return 0;
-            corners[i] = *slot;
+            if (seen[i]->vertex == NONE && (seen[i]->vertex = add_vertex(w, seen[i]->at)) == NONE) return 0;
+            corners[i] = seen[i]->vertex;
         }
         const map_corner *const of[3] = {&triangle.corners[0], &triangle.corners[1], &triangle.corners[2]};
         return (!has_holes || add_uvq(w, of)) && add_triangle(w, corners);
     }
+    map_sides_clip(&w->keep, &triangle, &kept);
     if (kept.count < 3) return 1;
 
     /* Add a convex polygon as a triangle fan from its first corner. */
@@ -144,33 +186,43 @@ static size_t opaque_end(const casters *c)
     return c->alpha_mask_count ? c->holed_first : c->triangle_count;
 }
 
-/* Add casters [first, end) in order. */
-static int add_run(projector *w, size_t first, size_t end)
+static int run_may_touch(const projector *w, size_t run)
 {
-    for (size_t n = first; n < end; n++)
-        if (!add_caster(w, n)) return 0;
+    const box *runs = w->p->casters->runs;
+    for (int n = 0; n < MAP_SIDES && runs; n++)
+        if (map_plane_most(&w->touch_ws[n], &runs[run]) < 0) return 0;
     return 1;
 }
 
-static int add_casters(projector *w, uint32_t threads)
+/* Add casters [first, end) in order. */
+static int add_range(projector *w, size_t first, size_t end)
+{
+    for (size_t n = first, next; n < end; n = next) {
+        next = (n / CASTERS_RUN + 1) * CASTERS_RUN;
+        next = next < end ? next : end;
+        if (!run_may_touch(w, n / CASTERS_RUN)) continue;
+        for (; n < next; n++)
+            if (!add_caster(w, n)) return 0;
+    }
+    return 1;
+}
+
+static int add_casters(projector *w)
 {
     projection    *p = w->p;
     const casters *c = p->casters;
     w->touch         = map_sides_of(w->light, 1);
     w->keep          = map_sides_of(w->light, w->side_px);
-    w->corners       = pages_alloc((c->vertex_count + 1) * sizeof *w->corners);
-    w->slot          = pages_alloc((c->vertex_count + 1) * sizeof *w->slot);
-    if (!w->corners || !w->slot) return 0;
-    parallel_for(threads, c->vertex_count, GRAIN, transform_vertices, w);
-    memset(w->slot, 0xff, c->vertex_count * sizeof *w->slot);
+    for (int n = 0; n < MAP_SIDES; n++) w->touch_ws[n] = map_plane_of(&w->frame, w->touch.n[n]);
+    if (!(w->seen_as = calloc(c->vertex_count + 1, sizeof *w->seen_as))) return 0;
 
-    if (!add_run(w, 0, c->solid_triangle_count)) return 0;
+    if (!add_range(w, 0, c->solid_triangle_count)) return 0;
     p->solid_triangle_count = p->triangle_count;
-    if (!add_run(w, c->solid_triangle_count, opaque_end(c))) return 0;
+    if (!add_range(w, c->solid_triangle_count, opaque_end(c))) return 0;
     p->holed_first = p->triangle_count;
     for (size_t mask = 0; mask < c->alpha_mask_count; mask++) {
         p->alpha_mask_first[mask] = p->triangle_count;
-        if (!add_run(w, c->alpha_mask_first[mask], c->alpha_mask_first[mask + 1])) return 0;
+        if (!add_range(w, c->alpha_mask_first[mask], c->alpha_mask_first[mask + 1])) return 0;
     }
     p->alpha_mask_first[c->alpha_mask_count] = p->triangle_count;
     p->indices                               = p->own_indices;
@@ -223,9 +275,9 @@ vxs_result projection_init(projection *p, const casters *c, const vxs_light *lig
     projector w = {.p = p, .light = light, .map = map, .side_px = ldexp(1, (int)light->levels), .frame = map_frame_of(light, map)};
     p->alpha_mask_first = malloc((c->alpha_mask_count + 1) * sizeof *p->alpha_mask_first);
     int complete        = p->alpha_mask_first != NULL;
-    if (complete) complete = !p->reversed && project_all(&w, threads) ? take_casters(&w) : add_casters(&w, threads);
-    free(w.corners);
-    free(w.slot);
+    if (complete) complete = !p->reversed && project_all(&w, threads) ? take_casters(&w) : add_casters(&w);
+    free(w.seen_as);
+    free(w.seen);
     return complete ? VXS_OK : fail(m, VXS_E_MEMORY, "out of memory for the vertices of a map");
 }
 
@@ -350,7 +402,7 @@ texel_box texel_box_of(const projection *p, size_t triangle)
     };
 }
 
-int texel_box_touches(const texel_box *box, int32_t u0, int32_t v0, int32_t side)
+int texel_box_touches(const texel_box *b, int32_t u0, int32_t v0, int32_t side)
 {
-    return box->u0 <= box->u1 && box->v0 <= box->v1 && box->u0 < u0 + side && box->v0 < v0 + side && box->u1 >= u0 && box->v1 >= v0;
+    return b->u0 <= b->u1 && b->v0 <= b->v1 && b->u0 < u0 + side && b->v0 < v0 + side && b->u1 >= u0 && b->v1 >= v0;
 }

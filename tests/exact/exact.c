@@ -226,10 +226,9 @@ static vxs_result planned_asset(const world *w, const bake_plan *plan, way *y, r
         light_columns     columns;
         if (planned->left_out) continue;
         chosen_coder_init(&coding, &y->bake, plan->compress, NULL);
-        if ((r = light_columns_init(&columns, w->gl, &y->bake, plan, planned, &w->c, NULL, m)) == VXS_OK) {
-            column_source source = light_columns_source(&columns);
-            r                    = bake_light(planned, &source, &coding.coder, &coded[baked], &ctx);
-        }
+        light_columns_init(&columns, w->gl, &y->bake, plan, planned, &w->c, NULL);
+        column_source source = light_columns_source(&columns);
+        r                    = bake_light(planned, &source, &coding.coder, &coded[baked], &ctx);
         chosen_coder_free(&coding);
         light_columns_free(&columns);
         if (r != VXS_OK) goto done;

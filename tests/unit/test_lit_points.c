@@ -17,11 +17,10 @@ static const double PI = 3.14159265358979323846, SIDE = 40, SMALL = 1;
 
 /* A floor of two triangles at height 0, component 0, and a finely divided square above its corner, component 1. */
 typedef struct floor_scene {
-    double      positions[3 * 3 * TRIANGLES];
-    uint32_t    indices[3 * TRIANGLES], component_of[TRIANGLES];
-    size_t      mask_first[1];
-    casters     c;
-    reach_index reach;
+    double   positions[3 * 3 * TRIANGLES];
+    uint32_t indices[3 * TRIANGLES], component_of[TRIANGLES];
+    size_t   mask_first[1];
+    casters  c;
 } floor_scene;
 
 static void add_square(floor_scene *s, double x, double y, double z, double side, uint32_t component)
@@ -50,7 +49,7 @@ static void make(floor_scene *s)
     add_square(s, -SIDE / 2, 0, -SIDE / 2, SIDE, 0);
     for (int n = 0; n < GRID * GRID; n++)
         add_square(s, 18 + SMALL * (n % GRID) / GRID, 1, 18 + SMALL * (n / GRID) / GRID, SMALL / GRID, 1);
-    assert_int_equal(reach_init(&s->reach, &s->c, &m), VXS_OK);
+    assert_int_equal(casters_find_runs(&s->c, &m), VXS_OK);
 }
 
 /* The points of a light, and the sum of what they stand for, square metres. */
@@ -61,7 +60,7 @@ static size_t choose(floor_scene *s, const light_shape *shape, const uint32_t *o
     vxs_light      light;
     light_fit_desc fit = {.name = "l", .shape = shape, .resolution = 1024};
     assert_int_equal(light_fit(&light, &s->c, &fit, &m), VXS_OK);
-    lit_points_desc d     = {&s->c, &s->reach, shape, &light, object_of, without, triangles_max};
+    lit_points_desc d     = {&s->c, shape, &light, object_of, without, triangles_max};
     size_t          count = lit_points_choose(points, POINTS, &d);
     *area                 = 0;
     for (size_t n = 0; n < count; n++) {
@@ -96,7 +95,6 @@ static void test_a_sun_reaches_all(void **state)
         assert_true(fabs(p[1] - small) < 1e-9 && fabs(p[0]) <= SIDE / 2 && fabs(p[2]) <= SIDE / 2 && points[n].along_metres == 0);
     }
     assert_in_range(on_small, POINTS * 45 / 100, POINTS * 55 / 100); /* the half that goes by triangles */
-    reach_free(&s.reach);
 }
 
 /* Of the floor 5 m below a punctual light: a disc, which the cone or the range cuts out. */
@@ -121,7 +119,6 @@ static void test_a_punctual_reaches_a_disc(void **state)
         const double *p = points[n].at_ws;
         assert_true(fabs(points[n].along_metres - fmax(height, fmax(fabs(p[0]), fabs(p[2])))) < 1e-9);
     }
-    reach_free(&s.reach);
 }
 
 static void test_without_an_object(void **state)
@@ -138,7 +135,6 @@ static void test_without_an_object(void **state)
     count = choose(&s, &bulb, object_of, 1, 0, points, &area);
     assert_about(area, SIDE * SIDE, 0.03);
     for (size_t n = 0; n < count; n++) assert_true(points[n].triangle < 2);
-    reach_free(&s.reach);
 }
 
 static void test_thinned_out(void **state)
@@ -155,9 +151,8 @@ static void test_thinned_out(void **state)
     assert_true(area == again && !memcmp(points, others, sizeof points));
 
     vxs_light light = {.kind = VXS_LIGHT_KIND_POINT, .flags = VXS_LIGHT_CUBE, .levels = 8, .texel_metres = 0.01, .near_metres = 1};
-    lit_points_desc d = {&s.c, &s.reach, &far, &light, NULL, 0, 0};
+    lit_points_desc d = {&s.c, &far, &light, NULL, 0, 0};
     assert_int_equal(lit_points_choose(points, POINTS, &d), 0);
-    reach_free(&s.reach);
 }
 
 int main(void)

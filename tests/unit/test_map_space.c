@@ -12,6 +12,8 @@
 #include "runtime/vxs.h"
 #include "tests/unit/random_light.h"
 
+#include "baker/base/box.h" /* after vxs_space.h, which has variables of that name */
+
 #include <cmocka.h>
 
 /* A light of any kind; of a directional one `punctual` holds no more than the light. */
@@ -79,6 +81,38 @@ static void map_space_is_that_of_lookups(void **state)
         } else {
             for (int c = 0; c < 2; c++) assert_true(fabs(p[c] - at[c]) < 1e-6 * side);
             assert_true(fabs(p[2] * side - at[2]) < 1e-6 * side);
+        }
+    }
+}
+
+/* No point of a box is farther inside a side than is said of the box, and one of its corners is nearly as far. */
+static void planes_bound_boxes(void **state)
+{
+    (void)state;
+    rng r = {4};
+    for (int n = 0; n < 20000; n++) {
+        punctual  l     = random_light(&r, n % KINDS);
+        int       maps  = l.light.flags & VXS_LIGHT_CUBE ? 6 : 1;
+        map_frame frame = map_frame_of(&l.light, rng_between(&r, 0, maps - 1));
+        map_sides s     = map_sides_of(&l.light, n % 3);
+        box       b     = box_empty();
+        for (int k = 0; k < 2; k++) {
+            double at[3];
+            for (int c = 0; c < 3; c++) at[c] = l.at[c] + uniform(&r, -1, 1) * pow(10, uniform(&r, -3, 3));
+            box_add(&b, at);
+        }
+        for (int side = 0; side < MAP_SIDES; side++) {
+            map_plane plane = map_plane_of(&frame, s.n[side]);
+            double    most = map_plane_most(&plane, &b), found = -INFINITY, size = fabs(plane.n[3]);
+            for (int k = 0; k < 3; k++) size += fabs(plane.n[k]) * fmax(fabs(b.min[k]), fabs(b.max[k]));
+            for (int k = 0; k < 20; k++) {
+                double point[3], at[3];
+                for (int c = 0; c < 3; c++)
+                    point[c] = k < 8 ? (k >> c & 1 ? b.max[c] : b.min[c]) : b.min[c] + uniform(&r, 0, 1) * (b.max[c] - b.min[c]);
+                map_space_from_ws(&frame, point, at);
+                found = fmax(found, map_side_at(s.n[side], at));
+            }
+            assert_true(most >= found && most <= found + 1e-9 * size);
         }
     }
 }
@@ -271,9 +305,8 @@ static void closed_meshes_stay_closed(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(map_space_is_that_of_lookups),
-        cmocka_unit_test(clipping_keeps_what_is_inside),
-        cmocka_unit_test(degenerate_triangles),
+        cmocka_unit_test(map_space_is_that_of_lookups),  cmocka_unit_test(planes_bound_boxes),
+        cmocka_unit_test(clipping_keeps_what_is_inside), cmocka_unit_test(degenerate_triangles),
         cmocka_unit_test(closed_meshes_stay_closed),
     };
     return cmocka_run_group_tests_name("map_space", tests, NULL, NULL);

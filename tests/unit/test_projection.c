@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "baker/light/light_fit.h"
 #include "baker/light/projection.h" /* before cmocka, whose fail() is a macro */
 #include "runtime/vxs.h"
 #include "tests/unit/random_light.h"
@@ -206,6 +207,52 @@ static size_t assert_closed(const projection *p, double side)
     return asked;
 }
 
+static void assert_same_projection(const projection *p, const projection *q)
+{
+    assert_int_equal(p->vertex_count, q->vertex_count);
+    assert_int_equal(p->triangle_count, q->triangle_count);
+    assert_int_equal(p->solid_triangle_count, q->solid_triangle_count);
+    if (p->triangle_count) assert_memory_equal(p->vertices, q->vertices, p->vertex_count * sizeof *p->vertices);
+    if (p->triangle_count) assert_memory_equal(p->indices, q->indices, 3 * p->triangle_count * sizeof *p->indices);
+}
+
+/* Runs of casters whose boxes are outside a map change neither its fit nor what it sees. */
+static void runs_change_nothing(void **state)
+{
+    (void)state;
+    rng   r = {9};
+    mesh *k = malloc(sizeof *k);
+    assert_non_null(k);
+    for (int n = 0; n < 600; n++) {
+        punctual       l     = random_punctual(&r, (punctual_shape)(n % PUNCTUAL_SHAPES));
+        light_shape    shape = {.kind         = l.light.kind == VXS_LIGHT_KIND_SPOT ? LIGHT_SPOT : LIGHT_POINT,
+                                .outer_rad    = l.cone_rad,
+                                .range_metres = n % 2 ? INFINITY : l.light.near_metres * pow(10, uniform(&r, -1, 3))};
+        light_fit_desc fit   = {.name = "lamp", .shape = &shape, .resolution = 256};
+        vxs_light      fitted[2];
+        run_context    m = {0};
+        make_mesh(k, &r, &l);
+        casters with = k->c;
+        double  back = n % 4 < 2 ? l.light.near_metres * pow(10, uniform(&r, 0, 4)) : 0;
+        for (int c = 0; c < 3; c++) shape.position_ws[c] = l.at[c] - back * l.axis[2][c];
+        memcpy(shape.direction_ws, l.axis[2], sizeof shape.direction_ws);
+        assert_int_equal(casters_find_runs(&with, &m), VXS_OK);
+        vxs_result wanted = light_fit(&fitted[0], &k->c, &fit, &m);
+        assert_int_equal(light_fit(&fitted[1], &with, &fit, &m), wanted);
+        if (wanted == VXS_OK) assert_memory_equal(&fitted[0], &fitted[1], sizeof *fitted);
+        for (int map = 0; map < map_count(&l.light); map++) {
+            projection p, q;
+            project(&p, &k->c, &l, map);
+            project(&q, &with, &l, map);
+            assert_same_projection(&p, &q);
+            projection_free(&p);
+            projection_free(&q);
+        }
+        free(with.runs);
+    }
+    free(k);
+}
+
 static void what_a_map_sees_is_there(void **state)
 {
     (void)state;
@@ -365,10 +412,8 @@ static void what_is_kept(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_a_map_sees_is_there),
-        cmocka_unit_test(windings_stay),
-        cmocka_unit_test(nothing_to_see),
-        cmocka_unit_test(what_is_kept),
+        cmocka_unit_test(what_a_map_sees_is_there), cmocka_unit_test(runs_change_nothing), cmocka_unit_test(windings_stay),
+        cmocka_unit_test(nothing_to_see),           cmocka_unit_test(what_is_kept),
     };
     return cmocka_run_group_tests_name("projection", tests, NULL, NULL);
 }
