@@ -102,7 +102,7 @@ static vxs_result bake_file(const bake_options *o, const casters *c, bake_square
     if (r == VXS_OK) r = bake_squares_open(squares, o, report, ctx->run);
     ctx->total_seconds = plan->total_seconds;
     for (int s = STAGE_LOAD; s <= STAGE_GL; s++) ctx->past_seconds += plan->seconds[s];
-    if (r == VXS_OK) r = bake_lights(o, c, device, coded, squares, report, ctx);
+    if (r == VXS_OK) r = bake_lights(&(lights_job){o, c, device, coded, squares, report}, ctx);
     if (device) o->renderer->destroy(device);
     if (r != VXS_OK) goto done;
 

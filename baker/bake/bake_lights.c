@@ -33,19 +33,21 @@ static void keep_picture(bake_report *report, const coded_light *coded, light_pi
 
 /* one light ------------------------------------------------------------------------------------------------------------------- */
 
-/* picture  NULL: not wanted */
-static vxs_result bake_planned(const bake_options *o, const bake_plan *plan, const plan_light *planned, const casters *c,
-                               void *device, bake_squares *squares, light_picture *picture, coded_light *out, light_report *light,
+/* baked    its number among the baked ones
+ * picture  NULL: not wanted */
+static vxs_result bake_planned(const lights_job *job, const plan_light *planned, size_t baked, light_picture *picture,
                                bake_context *ctx)
 {
-    light_columns columns;
-    light_squares cache;
-    chosen_coder  coding;
-    chosen_coder_init(&coding, o, plan->compress, picture);
-    light_columns_init(&columns, device, o, plan, planned, c, picture);
+    const bake_plan *plan  = job->report->plan;
+    light_report    *light = &job->report->lights[baked];
+    light_columns    columns;
+    light_squares    cache;
+    chosen_coder     coding;
+    chosen_coder_init(&coding, job->o, plan->compress, picture);
+    light_columns_init(&columns, job->device, job->o, plan, planned, job->c, picture);
     column_source source = light_columns_source(&columns);
-    vxs_result    r      = light_squares_source(&cache, squares, &source, &planned->light, light, ctx->run);
-    if (r == VXS_OK) r = bake_light(planned, &source, &coding.coder, is_baked_apart(o) ? NULL : out, ctx);
+    vxs_result    r      = light_squares_source(&cache, job->squares, &source, &planned->light, light, ctx->run);
+    if (r == VXS_OK) r = bake_light(planned, &source, &coding.coder, is_baked_apart(job->o) ? NULL : &job->coded[baked], ctx);
 
     const build_stats *stats  = coding.stats;
     uint64_t           across = max_u32(1, (1u << planned->light.levels) / plan->tile_px);
@@ -66,23 +68,20 @@ static vxs_result bake_planned(const bake_options *o, const bake_plan *plan, con
 }
 
 /* Bake the next light, with a picture if wanted. */
-static vxs_result bake_next(const bake_options *o, const plan_light *planned, const casters *c, void *device, coded_light *coded,
-                            bake_squares *squares, bake_report *report, bake_context *ctx)
+static vxs_result bake_next(const lights_job *job, const plan_light *planned, bake_context *ctx)
 {
-    const bake_plan *plan  = report->plan;
-    uint32_t         baked = report->light_count++, larger = 0;
+    const bake_plan *plan  = job->report->plan;
+    uint32_t         baked = job->report->light_count++, larger = 0;
     light_picture    picture = {0};
     vxs_result       r       = VXS_OK;
 
     /* a picture takes time, and with many lights most are dropped: make one of a light that may be one of the largest */
     for (size_t n = 0; n < plan->light_count; n++) larger += plan->lights[n].stored_bytes > planned->stored_bytes;
-    int wanted = o->page_path && larger < 4 * PICTURES_MAX;
+    int wanted = job->o->page_path && larger < 4 * PICTURES_MAX;
     if (wanted) r = light_picture_init(&picture, baked, 1u << planned->light.levels, planned->map_count, ctx->run);
-    if (r == VXS_OK)
-        r = bake_planned(o, plan, planned, c, device, squares, wanted ? &picture : NULL, &coded[baked], &report->lights[baked],
-                         ctx);
+    if (r == VXS_OK) r = bake_planned(job, planned, baked, wanted ? &picture : NULL, ctx);
     if (r == VXS_OK && wanted)
-        keep_picture(report, coded, &picture);
+        keep_picture(job->report, job->coded, &picture);
     else
         light_picture_free(&picture);
     return r;
@@ -93,10 +92,7 @@ static vxs_result bake_next(const bake_options *o, const plan_light *planned, co
 /* Small lights share nothing but the processor: many threads for each would wait for one another more than they work. */
 
 typedef struct light_group {
-    bake_options             own_thread; /* those of the bake, with one thread */
-    const casters           *c;
-    bake_report             *report;
-    coded_light             *coded;
+    lights_job               job;     /* that of the bake, with one thread */
     const plan_light *const *planned; /* [count of the group] */
     uint32_t                 first;   /* number of its first light among the baked ones */
     const bake_context      *ctx;     /* of the bake */
@@ -118,8 +114,6 @@ static vxs_result bake_alone(void *user, size_t n, uint32_t worker, run_context 
     light_group        *g       = user;
     const plan_light   *planned = g->planned[n];
     const bake_context *all     = g->ctx;
-    size_t              baked   = g->first + n;
-    bake_squares        none    = {0};
     os_lock(&g->lock);
     bake_context ctx = {.run           = own,
                         .threads       = 1,
@@ -131,8 +125,10 @@ static vxs_result bake_alone(void *user, size_t n, uint32_t worker, run_context 
                         .past_seconds  = g->past_seconds,
                         .steps         = all->steps + 1};
     os_unlock(&g->lock);
-    vxs_result r = bake_planned(&g->own_thread, g->report->plan, planned, g->c, NULL, &none, NULL, &g->coded[baked],
-                                &g->report->lights[baked], &ctx);
+    bake_squares none = {0};
+    lights_job   job  = g->job;
+    job.squares       = &none;
+    vxs_result r      = bake_planned(&job, planned, g->first + n, NULL, &ctx);
     os_lock(&g->lock);
     for (int s = 0; s < STAGE_NONE; s++) g->seconds[s] += ctx.stage[s].seconds;
     g->past_seconds += building_seconds(planned);
@@ -140,17 +136,18 @@ static vxs_result bake_alone(void *user, size_t n, uint32_t worker, run_context 
     return r;
 }
 
-static vxs_result bake_group(const bake_options *o, const casters *c, const plan_light *const *planned, size_t count,
-                             coded_light *coded, bake_report *report, bake_context *ctx)
+static vxs_result bake_group(const lights_job *job, const plan_light *const *planned, size_t count, bake_context *ctx)
 {
-    light_group g        = {*o, c, report, coded, planned, report->light_count, ctx, .past_seconds = ctx->past_seconds};
-    g.own_thread.threads = 1;
+    bake_options own_thread = *job->o;
+    light_group  g          = {*job, planned, job->report->light_count, ctx, .past_seconds = ctx->past_seconds};
+    own_thread.threads      = 1;
+    g.job.o                 = &own_thread;
     os_mutex_init(&g.lock);
     stage_begin(ctx, STAGE_MAPS);
-    vxs_result r = parallel_runs(o->threads, count, bake_alone, &g, ctx->run);
+    vxs_result r = parallel_runs(job->o->threads, count, bake_alone, &g, ctx->run);
     stage_begin_after(ctx, STAGE_NONE, 0, g.seconds, STAGE_COUNT);
     os_mutex_free(&g.lock);
-    report->light_count += (uint32_t)count;
+    job->report->light_count += (uint32_t)count;
     ctx->past_seconds = g.past_seconds;
     ctx->steps        = 1;
     return r == VXS_OK ? context_check(ctx) : r;
@@ -163,14 +160,14 @@ static int is_small(const plan_light *planned, const bake_options *o, const cast
            2 * o->threads * building_seconds(planned) <= all_seconds;
 }
 
-vxs_result bake_lights(const bake_options *o, const casters *c, void *device, coded_light *coded, bake_squares *squares,
-                       bake_report *report, bake_context *ctx)
+vxs_result bake_lights(const lights_job *job, bake_context *ctx)
 {
-    const bake_plan   *plan  = report->plan;
-    const plan_light **baked = malloc(plan->baked_count * sizeof *baked);
-    double             all   = 0;
-    size_t             count = 0;
-    vxs_result         r     = VXS_OK;
+    const bake_options *o     = job->o;
+    const bake_plan    *plan  = job->report->plan;
+    const plan_light  **baked = malloc(plan->baked_count * sizeof *baked);
+    double              all   = 0;
+    size_t              count = 0;
+    vxs_result          r     = VXS_OK;
     if (!baked) return fail(ctx->run, VXS_E_MEMORY, "out of memory for %zu lights", plan->baked_count);
     for (size_t n = 0; n < plan->light_count; n++)
         if (!plan->lights[n].left_out) all += building_seconds(baked[count++] = &plan->lights[n]);
@@ -178,12 +175,12 @@ vxs_result bake_lights(const bake_options *o, const casters *c, void *device, co
     /* memory that is limited, pictures and stored squares need one light after another */
     int together = o->threads > 1 && o->maps == MAPS_SPARSE && !o->page_path && !o->memory_bytes && !stores_squares(o);
     for (size_t n = 0, end; n < count && r == VXS_OK; n = end) {
-        for (end = n; together && end < count && is_small(baked[end], o, c, all);) end++;
+        for (end = n; together && end < count && is_small(baked[end], o, job->c, all);) end++;
         if (end > n + 1) {
-            r = bake_group(o, c, baked + n, end - n, coded, report, ctx);
+            r = bake_group(job, baked + n, end - n, ctx);
             continue;
         }
-        r   = bake_next(o, baked[n], c, device, coded, squares, report, ctx);
+        r   = bake_next(job, baked[n], ctx);
         end = n + 1;
     }
     free(baked);
