@@ -65,7 +65,8 @@ typedef struct walk {
     uint32_t          last_shift;       /* of a palette */
     int16_t           corner;           /* beside the current block or tile: above[x0 - 1] before the one on its left was drawn */
     int32_t           slope_x, slope_y; /* of the last node */
-    sheet sheet_above[NODE_PX / TILE_PX], sheet_left[NODE_PX / TILE_PX], last_plane, last_private; /* of a block, of a pattern */
+    sheet   sheet_above[NODE_PX / TILE_PX], sheet_left[NODE_PX / TILE_PX], last_plane, last_private; /* of a block, of a pattern */
+    uint8_t known_above[NODE_PX / TILE_PX], known_left[NODE_PX / TILE_PX]; /* kind of each of these sheets; NO_SHEET: it is old */
     const uint32_t *source;       /* [word_count] encoder only, like the next two: the page to code */
     uint32_t       *pattern_rank; /* [2^18] by ref: rank in its list, + 1; 0: not in the list yet */
     uint32_t       *block_rank;   /* [65536] by word */
@@ -111,13 +112,32 @@ PAGE_INLINE uint32_t varied(const int16_t *p, uint32_t count)
 #endif
 }
 
+/* How often the depth changes along the side of a block. */
+PAGE_INLINE uint32_t changes_along(const int16_t *p)
+{
+    uint32_t count = 0;
+#ifdef PAGE_SSE2
+    __m128i same = _mm_setzero_si128(); /* of each lane, how often it is as the next one, negative; the last one counts as such */
+    for (uint32_t n = 0; n < BLOCK_PX; n += 8) {
+        __m128i eight = _mm_loadu_si128((const __m128i *)(p + n));
+        __m128i next  = n + 8 < BLOCK_PX ? _mm_loadu_si128((const __m128i *)(p + n + 1))
+                                         : _mm_insert_epi16(_mm_srli_si128(eight, 2), p[BLOCK_PX - 1], 7);
+        same          = _mm_add_epi16(same, _mm_cmpeq_epi16(eight, next));
+    }
+    same  = _mm_add_epi16(same, _mm_srli_si128(same, 8));
+    same  = _mm_add_epi16(same, _mm_srli_si128(same, 4));
+    count = BLOCK_PX + (uint32_t)(int16_t)_mm_cvtsi128_si32(_mm_add_epi16(same, _mm_srli_si128(same, 2)));
+#else
+    for (uint32_t n = 1; n < BLOCK_PX; n++) count += (uint32_t)(p[n] != p[n - 1]);
+#endif
+    return count;
+}
+
 /* How often the depth changes along the sides of a block, above it and on its left: a class, 0..7. */
 static uint32_t changes_beside(const walk *w, uint32_t x0, uint32_t y0)
 {
     static const uint8_t class[16] = {0, 1, 2, 3, 4, 4, 5, 5, 5, 6, 6, 6, 6, 6, 6, 7};
-    const int16_t *above = w->above + 8 + x0, *left = w->left + y0;
-    uint32_t       count = 0;
-    for (uint32_t n = 1; n < BLOCK_PX; n++) count += (uint32_t)(above[n] != above[n - 1]) + (uint32_t)(left[n] != left[n - 1]);
+    uint32_t count                 = changes_along(w->above + 8 + x0) + changes_along(w->left + y0);
     return class[count < 15 ? count : 15];
 }
 
@@ -223,8 +243,8 @@ PAGE_CALL int32_t greatest_border_depth(const walk *w, uint32_t x0, uint32_t y0)
 /* Mark that there is no plane beside the next squares. */
 PAGE_CALL void leave_no_sheet(walk *w, uint32_t x0, uint32_t y0, uint32_t side_px)
 {
-    for (uint32_t n = 0; n < side_px / TILE_PX; n++)
-        w->sheet_above[x0 / TILE_PX + n].known = w->sheet_left[y0 / TILE_PX + n].known = 0;
+    memset(w->known_above + x0 / TILE_PX, NO_SHEET, side_px / TILE_PX);
+    memset(w->known_left + y0 / TILE_PX, NO_SHEET, side_px / TILE_PX);
 }
 
 /* Eight depths at once: they are read as a vector soon, which would wait for single ones. */
@@ -264,18 +284,29 @@ PAGE_CALL void draw_uniform(walk *w, uint32_t x0, uint32_t y0, uint32_t side_px,
     leave_no_sheet(w, x0, y0, side_px);
 }
 
-/* Depth that the slope of the node adds to a tile; never negative. */
-PAGE_INLINE int32_t slope_shift(int32_t nx, int32_t ny, int32_t tx, int32_t ty)
+/* Depth that the slope of the node adds to a tile, in 1/256 voxel; never negative. */
+PAGE_INLINE int32_t slope_sum(int32_t nx, int32_t ny, int32_t tx, int32_t ty)
 {
-    return ((nx < 0 ? nx * (tx - 31) : nx * tx) + (ny < 0 ? ny * (ty - 31) : ny * ty)) >> 8;
+    return (nx < 0 ? nx * (tx - 31) : nx * tx) + (ny < 0 ? ny * (ty - 31) : ny * ty);
 }
 
-/* Shift the depths of one side of a tile to another node, except NEVER. */
-PAGE_INLINE void move_depths(int16_t *restrict to, const int16_t *restrict from, int32_t by)
+PAGE_INLINE int32_t slope_shift(int32_t nx, int32_t ny, int32_t tx, int32_t ty)
 {
-    for (uint32_t k = 0; k < TILE_PX; k++) {
-        int16_t moved = (int16_t)(from[k] + by);
-        to[k]         = from[k] == (int16_t)NEVER ? from[k] : moved;
+    return slope_sum(nx, ny, tx, ty) >> 8;
+}
+
+/* Depths of a side of a node in another node, except NEVER, which stays: each tile's are moved by base + sign * (slope >> 8), and
+ * the next tile's slope is `step` more. */
+PAGE_INLINE void move_side(int16_t *to, const int16_t *from, int32_t base, int32_t sign, int32_t slope, int32_t step)
+{
+    for (uint32_t k = 0; k < NODE_PX; k += TILE_PX, slope += step) {
+        int16_t by = (int16_t)(base + sign * (slope >> 8));
+#ifdef PAGE_SSE2
+        __m128i was = _mm_loadu_si128((const __m128i *)(from + k)), never = _mm_cmpeq_epi16(was, _mm_set1_epi16(-1));
+        _mm_storeu_si128((__m128i *)(to + k), _mm_add_epi16(was, _mm_andnot_si128(never, _mm_set1_epi16(by))));
+#else
+        for (uint32_t n = k; n < k + TILE_PX; n++) to[n] = (int16_t)(from[n] == (int16_t)NEVER ? from[n] : from[n] + by);
+#endif
     }
 }
 
@@ -287,12 +318,15 @@ static void open_borders(walk *w, const vxs_page_node *n, int32_t nx, int32_t ny
     int                     above = up[0] == n->map + 1 && up[1] == n->x && up[2] + 1 == n->y,
         left                      = side[0] == n->map + 1 && side[1] + 1 == n->x && side[2] == n->y;
     const int16_t *below = s->below[n->x % COLUMNS_KEPT], *right = s->right[n->y % COLUMNS_KEPT];
-    if (!above) memset(w->above + 8, 0, NODE_PX * sizeof *w->above);
-    if (!left) memset(w->left, 0, NODE_PX * sizeof *w->left);
-    for (int32_t t = 0, k = 0; k < NODE_PX; t++, k += TILE_PX) {
-        if (above) move_depths(w->above + 8 + k, below + k, slope_shift(nx, ny, t, 0) - n->base);
-        if (left) move_depths(w->left + k, right + k, slope_shift(nx, ny, 0, t) - n->base);
-    }
+    const int32_t  slope = slope_sum(nx, ny, 0, 0);
+    if (above)
+        move_side(w->above + 8, below, -n->base, 1, slope, nx);
+    else
+        memset(w->above + 8, 0, NODE_PX * sizeof *w->above);
+    if (left)
+        move_side(w->left, right, -n->base, 1, slope, ny);
+    else
+        memset(w->left, 0, NODE_PX * sizeof *w->left);
     for (uint32_t k = 0; k < 8; k++) {
         w->above[k]               = w->above[8];
         w->above[8 + NODE_PX + k] = w->above[7 + NODE_PX];
@@ -307,11 +341,8 @@ static void close_borders(walk *w, const vxs_page_node *n, int32_t nx, int32_t n
     up[0] = side[0] = n->map + 1;
     up[1] = side[1] = n->x;
     up[2] = side[2] = n->y;
-    int16_t *below = s->below[n->x % COLUMNS_KEPT], *right = s->right[n->y % COLUMNS_KEPT];
-    for (int32_t t = 0, k = 0; k < NODE_PX; t++, k += TILE_PX) {
-        move_depths(below + k, w->above + 8 + k, n->base - slope_shift(nx, ny, t, 31));
-        move_depths(right + k, w->left + k, n->base - slope_shift(nx, ny, 31, t));
-    }
+    move_side(s->below[n->x % COLUMNS_KEPT], w->above + 8, n->base, -1, slope_sum(nx, ny, 0, 31), nx);
+    move_side(s->right[n->y % COLUMNS_KEPT], w->left, n->base, -1, slope_sum(nx, ny, 31, 0), ny);
 }
 
 #endif

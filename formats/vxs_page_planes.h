@@ -111,6 +111,7 @@ static void draw_sheet(walk *w, sheet s, uint32_t x0, uint32_t y0)
         left[n]  = (int16_t)(sheet_depth(s, TILE_PX - 1, n) + slope);
     }
     w->sheet_above[x0 / TILE_PX] = w->sheet_left[y0 / TILE_PX] = s;
+    w->known_above[x0 / TILE_PX] = w->known_left[y0 / TILE_PX] = s.known;
 }
 
 /* Slopes a and b, predicted by a plane with similar slopes; often they have zeros as low bits. */
@@ -134,9 +135,10 @@ static int code_steps(walk *w, plane_odds *odds, plane *p, sheet like)
  * which  0: of a single plane; 1, 2: of the first or second of two planes */
 static sheet steps_beside(const walk *w, uint32_t x0, uint32_t y0, uint32_t which)
 {
-    const sheet *left = &w->sheet_left[y0 / TILE_PX], *above = &w->sheet_above[x0 / TILE_PX];
-    if (!left->known) return above->known ? *above : w->last_private;
-    if (!above->known || which == 1) return *left;
+    const sheet  *left = &w->sheet_left[y0 / TILE_PX], *above = &w->sheet_above[x0 / TILE_PX];
+    const uint8_t known_above = w->known_above[x0 / TILE_PX];
+    if (!w->known_left[y0 / TILE_PX]) return known_above ? *above : w->last_private;
+    if (!known_above || which == 1) return *left;
     if (which == 2) return *above;
     return (sheet){.x = (left->x + above->x) >> 1, .y = (left->y + above->y) >> 1};
 }
@@ -172,9 +174,10 @@ static sheets_beside sheets_of_block(const walk *w, uint32_t x0, uint32_t y0)
 {
     sheets_beside found = {0};
     for (int32_t k = 3; k >= 0; k--) {
-        const sheet *left = &w->sheet_left[y0 / TILE_PX + (uint32_t)k], *above = &w->sheet_above[x0 / TILE_PX + (uint32_t)k];
-        if (left->known && left->known >= found.left.known) found.left = sheet_from(*left, TILE_PX, -TILE_PX * k);
-        if (above->known && above->known >= found.above.known) found.above = sheet_from(*above, -TILE_PX * k, TILE_PX);
+        const uint32_t row = y0 / TILE_PX + (uint32_t)k, column = x0 / TILE_PX + (uint32_t)k;
+        const uint8_t  left = w->known_left[row], above = w->known_above[column];
+        if (left && left >= found.left.known) found.left = sheet_from(w->sheet_left[row], TILE_PX, -TILE_PX * k);
+        if (above && above >= found.above.known) found.above = sheet_from(w->sheet_above[column], -TILE_PX * k, TILE_PX);
     }
     return found;
 }

@@ -176,7 +176,8 @@ static void draw_private(walk *w, uint32_t ref, int32_t base, uint32_t x0, uint3
         *left  = planes.s[which_plane(&planes, 7, 4)];
         above->at += without;
         left->at += without;
-        w->last_private = *left;
+        w->last_private              = *left;
+        w->known_above[x0 / TILE_PX] = w->known_left[y0 / TILE_PX] = OF_PATTERN;
 
         return;
     }
@@ -319,7 +320,7 @@ static int code_private(walk *w, uint32_t from, private_base *base, uint32_t x0,
             if (!least) kind = PRIVATE_KINDS;
         }
     }
-    uint32_t beside = (w->sheet_left[y0 / TILE_PX].known != 0) + (w->sheet_above[x0 / TILE_PX].known != 0);
+    uint32_t beside = (w->known_left[y0 / TILE_PX] != 0) + (w->known_above[x0 / TILE_PX] != 0);
     kind            = code_nibble(&w->c, &w->odds->private_kind[beside], kind);
     if (kind > PRIVATE_KINDS) return 0;
     if (kind >= PRIVATE_PLANE && kind < PRIVATE_KINDS) return code_private_planes(w, kind, from, base, x0, y0);
