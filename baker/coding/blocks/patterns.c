@@ -190,52 +190,80 @@ void pattern_needs(const pattern_set *s, int depths, size_t n, mask_need *needs)
 
 /* choosing -------------------------------------------------------------------------------------------------------------------- */
 
-void pattern_choose_within(const uint8_t low[64], const uint8_t high[64], uint8_t index[64])
+/* All texels of the quadrants that have one of these. */
+static uint64_t whole_quadrants(uint64_t texels)
+{
+    const uint64_t tops = 0x8000800080008000;
+    uint64_t       any  = (((texels & ~tops) + ~tops) | texels) & tops;
+    return any | (any - (any >> 15));
+}
+
+/* Add 1 to the bytes of these texels. */
+static void count_texels(uint64_t bytes[8], uint64_t texels)
+{
+    for (int n = 0; n < 8; n++) {
+        uint64_t bit = ((texels >> 8 * n & 0xff) * 0x0101010101010101) & 0x8040201008040201; /* bit k stays in byte k */
+        bytes[n] += (bit + 0x7f7f7f7f7f7f7f7f) >> 7 & 0x0101010101010101;
+    }
+}
+
+/* may, due  [depths] texels that may and that must have one of the depths up to each; the last must have all */
+static void choose(const uint64_t *may, const uint64_t *due, int depths, uint8_t index[64])
 {
     /* The fewest depths for each quadrant, by stabbing its ranges from the front: where a range without a depth ends, its last
      * depth is used, and all ranges without a depth that contain it take it. */
-    uint64_t used[4], left = UINT64_MAX; /* used: bits of the depths of each quadrant */
-    for (int q = 0; q < 4; q++) used[q] = 0;
-    for (int depth = 0; left; depth++) {
-        uint64_t due = left & bytes_at_most(high, (uint8_t)depth);
-        if (!due) continue;
-        uint64_t may = left & bytes_at_most(low, (uint8_t)depth);
-        for (int q = 0; q < 4; q++) {
-            uint64_t quadrant = 0xffffull << 16 * q;
-            if (!(due & quadrant)) continue;
-            used[q] |= 1ull << depth;
-            left &= ~(may & quadrant);
-            for (uint64_t rest = may & quadrant; rest; rest &= rest - 1) index[__builtin_ctzll(rest)] = (uint8_t)depth;
-        }
+    uint64_t allowed[64]; /* texels for which each depth is in range and used in their quadrant */
+    uint64_t left = UINT64_MAX, before = 0, once = 0, several = 0, bytes[8] = {0};
+    for (int depth = 0; depth < depths; depth++) {
+        uint64_t quadrants = whole_quadrants(left & due[depth]);
+        left &= ~(may[depth] & quadrants);
+        allowed[depth] = may[depth] & ~before & quadrants;
+        before         = due[depth];
+        several |= once & allowed[depth];
+        once |= allowed[depth];
+        if (left) count_texels(bytes, left);
     }
+    for (int n = 0; n < 64; n++) index[n] = (uint8_t)(bytes[n / 8] >> 8 * (n % 8));
 
-    /* Give a texel the depth of an earlier neighbour if its range and quadrant have that depth: masks get simple outlines. */
+    /* Give a texel the depth of an earlier neighbour if it is allowed: masks get simple outlines. */
     static const int beside[4][2] = {{-1, 0}, {0, -1}, {-1, -1}, {1, -1}};
-    for (int y = 0; y < 8; y++)
-        for (int x = 0; x < 8; x++) {
-            int n = pattern_texel(x, y);
-            if (low[n] == high[n]) continue;
+    for (int y = 0; y < 8; y++) {
+        int      at  = pattern_texel(0, y);
+        uint32_t row = (uint32_t)(several >> at & 15) | (uint32_t)(several >> at >> 16 & 15) << 4;
+        for (; row; row &= row - 1) {
+            int x = __builtin_ctz(row), n = pattern_texel(x, y);
             for (int b = 0; b < 4; b++) {
                 int from_x = x + beside[b][0], from_y = y + beside[b][1];
                 if (from_x < 0 || from_x > 7 || from_y < 0) continue;
                 int other = index[pattern_texel(from_x, from_y)];
-                if (other < low[n] || other > high[n] || !(used[n >> 4] >> other & 1)) continue;
+                if (!(allowed[other] >> n & 1)) continue;
                 index[n] = (uint8_t)other;
                 break;
             }
         }
+    }
+}
+
+void pattern_choose_within(const uint8_t low[64], const uint8_t high[64], uint8_t index[64])
+{
+    uint64_t may[64], due[64];
+    int      depths = 0;
+    do {
+        may[depths] = bytes_at_most(low, (uint8_t)depths);
+        due[depths] = bytes_at_most(high, (uint8_t)depths);
+    } while (due[depths++] != UINT64_MAX);
+    choose(may, due, depths, index);
 }
 
 void pattern_choose(const mask_need *needs, int depths, uint8_t index[64])
 {
-    uint8_t low[64] = {0}, high[64];
-    memset(high, depths - 1, sizeof high);
-    for (int mask = 0; mask < depths - 1; mask++)
-        for (int n = 0; n < 64; n++) {
-            low[n]  = (uint8_t)(low[n] + (needs[mask].lit >> n & 1));
-            high[n] = (uint8_t)(high[n] - (needs[mask].dark >> n & 1));
-        }
-    pattern_choose_within(low, high, index);
+    uint64_t may[PALETTE_MAX], due[PALETTE_MAX];
+    for (int mask = 0; mask < depths - 1; mask++) {
+        may[mask] = ~needs[mask].lit;
+        due[mask] = needs[mask].dark;
+    }
+    may[depths - 1] = due[depths - 1] = UINT64_MAX;
+    choose(may, due, depths, index);
 }
 
 void pattern_set_free(pattern_set *s)
