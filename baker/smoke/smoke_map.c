@@ -27,6 +27,17 @@ typedef struct tools {
     smoke_changes changes;
 } tools;
 
+/* The map of curves of a light. Its arrays belong to it. */
+typedef struct smoke_map {
+    vxs_smoke_view view; /* of the arrays below; counts NULL: the light loses nothing in smoke */
+    uint8_t       *counts;
+    uint32_t      *nodes;
+    size_t         texel_count, curve_count, node_count;
+    size_t         word_count;    /* size in memory (formats/vxs.md section 15) */
+    double         largest_error; /* of a curve, without interpolation */
+    smoke_lookups  lookups;
+} smoke_map;
+
 /* A map in work. */
 typedef struct maker {
     smoke_source           source;
@@ -429,10 +440,8 @@ vxs_result smoke_bake(vxs_bytes *file, const smoke_source *source, const smoke_s
                                    .memory_bytes  = maps[n].word_count * 4};
 done:
     for (uint32_t n = 0; maps && n < contents.light_count; n++) {
-        /* Accepts a zeroed object. */
         free(maps[n].counts);
         free(maps[n].nodes);
-        maps[n] = (smoke_map){0};
     }
     free(maps);
     vxs_contents_free(&contents);

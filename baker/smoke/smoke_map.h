@@ -70,19 +70,6 @@ typedef struct smoke_lookups {
     double   rms, largest;
 } smoke_lookups;
 
-/* Zero it; released with smoke_map_free. */
-typedef struct smoke_map {
-    vxs_smoke_view view; /* of the arrays below; counts NULL: the light loses nothing in smoke */
-    uint8_t       *counts;
-    uint32_t      *nodes;
-    size_t         texel_count, curve_count, node_count;
-    size_t         word_count;    /* size in memory (formats/vxs.md section 15) */
-    double         largest_error; /* of a curve, without interpolation */
-    smoke_lookups  lookups;
-} smoke_map;
-
-/* Bakes smoke into an asset: a map of curves for each light that it affects, as additional sections of a finished file. */
-
 /* Statistics of a light's smoke; all 0 if it loses no light. */
 typedef struct smoke_counts {
     uint32_t      side_px;
@@ -92,7 +79,7 @@ typedef struct smoke_counts {
     uint64_t      memory_bytes, stored_bytes;
 } smoke_counts;
 
-/* Add smoke to a file.
+/* Add smoke to a file: a map of curves for each light that it affects, as additional sections.
  * file    [in, out] replaced if some light is lost
  * counts  [out] [lights of the file]
  * Returns VXS_OK, VXS_E_MEMORY, or what context_check returns. */

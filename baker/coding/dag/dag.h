@@ -57,7 +57,7 @@ uint32_t dag_add_mask(dag *d, uint64_t mask);
 uint32_t dag_add_node(dag *d, uint32_t level, const dag_node *node);
 uint32_t dag_add_node_hashed(dag *d, uint32_t level, const dag_node *node, uint64_t hash);
 
-/* Error of a failed dag_add: VXS_E_REFERENCES if 32-bit references ran out, else VXS_E_MEMORY. */
+/* Error of a failed dag_add_mask or dag_add_node: VXS_E_REFERENCES if 32-bit references ran out, else VXS_E_MEMORY. */
 vxs_result dag_failure(const dag *d);
 
 /* Hash of a node at `level`, from the hashes of its children. */

@@ -26,7 +26,7 @@ typedef struct bench_work {
     json_t              *result;
     bench_job           *jobs; /* [job_count] */
     size_t               job_count;
-    int                 *inputs; /* [scene] copies of pipes, see keep_pipe; owned */
+    int                 *inputs; /* [scene] copies of pipes, see keep_pipes; owned */
     children             children;
     double               since; /* when the first run began */
     int                  outputs_differ;

@@ -307,7 +307,7 @@ typedef struct way_context {
 } way_context;
 
 /* Holes let light pass. Embree's barycentric weights are off by the rounding displacement of the ray, which truth_precision
- * includes. Casters at the light are left to is_occluded_at_light. */
+ * includes. Casters at the light are left to query_at_light. */
 static void pass_holes(const struct RTCFilterFunctionNArguments *args)
 {
     const way_context   *way = (const way_context *)args->context;

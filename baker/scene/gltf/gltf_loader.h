@@ -501,7 +501,7 @@ void parse(loader &l);
 /* Refuse a required extension that is unknown. Note a used extension that is unknown. */
 void check_extensions(loader &l, const json &root);
 
-/* ---- gltf_buffers.cc, gltf_draco.cc ---- */
+/* ---- gltf_buffers.cc, gltf_compression.cc ---- */
 
 /* Read the bytes of all buffers, and the bufferViews, which refer to them. */
 void read_buffers(loader &l, const json &root, const container &c);
@@ -554,7 +554,7 @@ const elements &use_accessor(loader &l, size_t index);
  * allowed either. */
 void check_index_values(loader &l, const elements &indices, size_t vertices, bool restarts);
 
-/* ---- gltf_draco.cc ---- */
+/* ---- gltf_compression.cc ---- */
 
 /* 1 when a primitive exists only in compressed form. */
 bool needs_draco(const loader &l, const tinygltf::Primitive &p);
