@@ -61,6 +61,26 @@ static vxs_result count_lights(bake_plan *plan, run_context *m)
     return plan->baked_count ? VXS_OK : fail(m, VXS_E_NO_LIGHT, "no light reaches a caster: there is nothing to bake");
 }
 
+/* Fit the maps of the chosen lights. */
+static vxs_result fit_lights(bake_plan *plan, const bake_options *o, casters *c, const light_choice *chosen, run_context *m)
+{
+    int suns = 1;
+    for (size_t n = 0; n < chosen->count; n++) suns &= chosen->lights[n].shape.kind == LIGHT_DIRECTIONAL;
+    vxs_result r = suns || c->runs ? VXS_OK : casters_find_runs(c, m);
+    if (r != VXS_OK) return r;
+    plan->lights = calloc(chosen->count, sizeof *plan->lights);
+    if (!plan->lights) return fail(m, VXS_E_MEMORY, "out of memory for %zu lights", chosen->count);
+    plan->light_count = chosen->count;
+    light_fits fits   = {plan, o, c, chosen->lights};
+    r                 = parallel_runs(o->threads, chosen->count, fit_light, &fits, m);
+    if (r == VXS_OK) r = count_lights(plan, m);
+    for (const plan_light *l = plan->lights; l < plan->lights + plan->light_count && r == VXS_OK; l++)
+        if (l->left_out)
+            warn(m, "light '%s' %s: it is left out; move it, turn it, give it a longer range, or leave it out with --light",
+                 l->name, l->left_out);
+    return r;
+}
+
 /* solids ---------------------------------------------------------------------------------------------------------------------- */
 
 /* Finding the solids that meet costs time per triangle, on all threads, and may save time in each block. */
@@ -187,49 +207,36 @@ static vxs_result plan_memory(bake_plan *plan, const bake_options *o, const cast
                 size_text(there, machine), size_text(needed, plan->least_bytes));
 }
 
+/* Take the number of tiles from the samples. */
+static void take_tiles(bake_plan *plan)
+{
+    uint32_t size = 0;
+    while (size + 1 < TILE_SIZES && (uint32_t)TILE_MAX_PX >> size > plan->tile_px) size++;
+    for (plan_light *l = plan->lights; l < plan->lights + plan->light_count; l++) {
+        l->tiles       = l->sample.tiles[size];
+        l->tiles_empty = l->sample.tiles_empty[size];
+    }
+}
+
 vxs_result plan_make(bake_plan *plan, const bake_options *o, casters *c, const scene *s, const light_choice *chosen,
                      uint64_t scene_bytes, run_context *m)
 {
     double start = clock_seconds();
-    int    suns  = 1;
     *plan        = (bake_plan){.scene_bytes = scene_bytes};
-    for (size_t n = 0; n < chosen->count; n++) suns &= chosen->lights[n].shape.kind == LIGHT_DIRECTIONAL;
-    vxs_result r = suns || c->runs ? VXS_OK : casters_find_runs(c, m);
-    if (r != VXS_OK) goto done;
-
-    r = light_choice_require(chosen, "--resolution", &o->resolutions, m);
+    vxs_result r = light_choice_require(chosen, "--resolution", &o->resolutions, m);
     if (r == VXS_OK) r = light_choice_require(chosen, "--texel", &o->texels, m);
-    if (r != VXS_OK) goto done;
-    plan->lights = calloc(chosen->count, sizeof *plan->lights);
-    if (!plan->lights) {
-        r = fail(m, VXS_E_MEMORY, "out of memory for %zu lights", chosen->count);
-        goto done;
-    }
-    plan->light_count = chosen->count;
-    light_fits fits   = {plan, o, c, chosen->lights};
-    r                 = parallel_runs(o->threads, chosen->count, fit_light, &fits, m);
-    if (r == VXS_OK) r = count_lights(plan, m);
-    if (r != VXS_OK) goto done;
-    for (const plan_light *l = plan->lights; l < plan->lights + plan->light_count; l++)
-        if (l->left_out)
-            warn(m, "light '%s' %s: it is left out; move it, turn it, give it a longer range, or leave it out with --light",
-                 l->name, l->left_out);
-    plan_check_lights(plan, o, c, s, m);
-    if ((r = run_check(m)) != VXS_OK) goto done;
-
-    plan_exit(plan, o, c);
-    if (plan->meeting_known && (r = casters_find_meeting(c, o->threads, m)) != VXS_OK) goto done;
-    if ((r = plan_estimate(plan, o, c, m)) != VXS_OK) goto done;
-    r = plan_memory(plan, o, c, m);
+    if (r == VXS_OK) r = fit_lights(plan, o, c, chosen, m);
     if (r == VXS_OK) {
-        uint32_t size = 0;
-        while (size + 1 < TILE_SIZES && (uint32_t)TILE_MAX_PX >> size > plan->tile_px) size++;
-        for (size_t n = 0; n < plan->light_count; n++) {
-            plan->lights[n].tiles       = plan->lights[n].sample.tiles[size];
-            plan->lights[n].tiles_empty = plan->lights[n].sample.tiles_empty[size];
-        }
+        plan_check_lights(plan, o, c, s, m);
+        r = run_check(m);
     }
-done:
+    if (r == VXS_OK) {
+        plan_exit(plan, o, c);
+        if (plan->meeting_known) r = casters_find_meeting(c, o->threads, m);
+    }
+    if (r == VXS_OK) r = plan_estimate(plan, o, c, m);
+    if (r == VXS_OK) r = plan_memory(plan, o, c, m);
+    if (r == VXS_OK) take_tiles(plan);
     plan->plan_seconds = clock_seconds() - start;
     if (r != VXS_OK) plan_free(plan);
     return r;

@@ -1,4 +1,4 @@
-/* Casters from judged components; see casters_work.h.
+/* Casters from classified components; see casters_work.h.
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* Weld and classify the triangles that cast shadow; see casters.h and casters_work.h.
  *
- *   scene ---weld---> soup ---edges---> components ---measure, judge---> kinds ---emit---> casters
+ *   scene ---weld---> soup ---edges---> components ---measure, classify---> kinds ---emit---> casters
  *
  * Only inside solids may later stages choose freely between lit and shadowed ([CPVS16] 3.3). So a component becomes a solid only if
  * the tests prove it; otherwise it stays a sheet.
@@ -179,7 +179,7 @@ static double least_volume(const box *b)
     return 1e-9 * (side[0] * side[1] * side[2]) + 4 * DBL_EPSILON * reach * longest * longest;
 }
 
-/* --- judge ------------------------------------------------------------------------------------------------------------ */
+/* --- classify ------------------------------------------------------------------------------------------------------------ */
 
 /* Classify a component by itself. Occupied components still count as solids here.
  *
@@ -187,7 +187,7 @@ static double least_volume(const box *b)
  * There the winding number is negative: a ray leaves before it enters. Peeling of exit depths counts both, and treats only a
  * positive count as inside, so the volume test is sufficient. Components larger than 1e100, whose volume is not a number, become
  * sheets. */
-static component_kind judge(const component *c, const box *b, closed_mode closed)
+static component_kind classify(const component *c, const box *b, closed_mode closed)
 {
     if (closed == CLOSED_OFF) return COMPONENT_SHEET_FORCED;
     if (c->flags & TRIANGLE_ALPHA_MASK) return COMPONENT_SHEET_ALPHA_MASK;
@@ -347,7 +347,7 @@ static vxs_result sort_out(casters *c, const scene *s, closed_mode closed, int f
     }
     if ((r = connect(&w, for_maps, m)) != VXS_OK) goto done;
     if ((r = measure_components(&w, s, m)) != VXS_OK) goto done;
-    for (size_t i = 0; i < w.component_count; i++) w.components[i].kind = judge(&w.components[i], &w.boxes[i], closed);
+    for (size_t i = 0; i < w.component_count; i++) w.components[i].kind = classify(&w.components[i], &w.boxes[i], closed);
     if ((r = closed == CLOSED_AUTO ? evict_occupied(&w, s, m) : VXS_OK) != VXS_OK) goto done;
     if (for_maps && (r = split_borders(&w, c, s, m)) != VXS_OK) goto done;
     r = casters_emit(c, &w, s, m);

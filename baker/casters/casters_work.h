@@ -68,7 +68,7 @@ static inline vxs_result out_of_memory(run_context *m, size_t triangle_count)
     return fail(m, VXS_E_MEMORY, "out of memory while sorting %zu triangles into solids and sheets", triangle_count);
 }
 
-/* Write the casters of judged components.
+/* Write the casters of classified components.
  * c  [out] released with casters_free, whatever is returned. Takes over some arrays of the work
  * Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result casters_emit(casters *c, work *w, const scene *s, run_context *m);
