@@ -384,33 +384,47 @@ static double plane_depth(const sparse_triangle *t, double x, double y)
     return z < t->zmax ? z : t->zmax;
 }
 
+/* A map of single triangles. */
+typedef struct soup {
+    vertex_ls v[3 * 32];
+    uint32_t  indices[3 * 32];
+    size_t    no_masks[1];
+    casters   none;
+} soup;
+
+static projection projection_of(soup *o, size_t count)
+{
+    for (uint32_t n = 0; n < 3 * count; n++) o->indices[n] = n;
+    o->no_masks[0] = count;
+    o->none        = (casters){0};
+    return (projection){.casters          = &o->none,
+                        .vertex_count     = 3 * count,
+                        .vertices         = o->v,
+                        .triangle_count   = count,
+                        .holed_first      = count,
+                        .indices          = o->indices,
+                        .alpha_mask_first = o->no_masks};
+}
+
 /* Depths in a square of random triangles, steep and narrow ones among them, as they are computed and as they are, lie between what
  * a list says. */
 static void depths_stay_within_their_lists(void **state)
 {
     enum { SIDE = 16384 };
-    const uint32_t rounds     = repeats(300, 2000);
-    rng            r          = rng_split(1, 3);
-    size_t         asked      = 0;
-    uint32_t       indices[3] = {0, 1, 2}, id = 0;
-    size_t         no_masks[1] = {1};
-    casters        none        = {0};
+    const uint32_t rounds = repeats(300, 2000);
+    rng            r      = rng_split(1, 3);
+    size_t         asked  = 0;
+    uint32_t       id     = 0;
     (void)state;
     for (uint32_t n = 0; n < rounds; n++) {
-        vertex_ls        v[3];
+        soup             o;
         sparse_triangles s;
         square_list      l = {0};
         double width = n % 3 ? SIDE : ldexp(1, (int)rng_below(&r, 14) - 4), u = uniform(&r, 0, SIDE), w = uniform(&r, 0, SIDE);
         for (int k = 0; k < 3; k++)
-            v[k] = (vertex_ls){u + (k == 2 ? SIDE : 1) * uniform(&r, -0.1, 0.1) * width / SIDE * (n % 2 ? 1 : 4),
-                               w + uniform(&r, -1, 1) * width, rng_unit(&r)};
-        projection p = {.casters          = &none,
-                        .vertex_count     = 3,
-                        .vertices         = v,
-                        .triangle_count   = 1,
-                        .holed_first      = 1,
-                        .indices          = indices,
-                        .alpha_mask_first = no_masks};
+            o.v[k] = (vertex_ls){u + (k == 2 ? SIDE : 1) * uniform(&r, -0.1, 0.1) * width / SIDE * (n % 2 ? 1 : 4),
+                                 w + uniform(&r, -1, 1) * width, rng_unit(&r)};
+        projection p = projection_of(&o, 1);
         assert_int_equal(sparse_triangles_init(&s, &p, SIDE, 1), VXS_OK);
         const double px = ldexp(1, (int)s.grid);
         for (int k = 0; k < 20 && s.count; k++) {
@@ -440,28 +454,6 @@ static void depths_stay_within_their_lists(void **state)
         sparse_triangles_free(&s);
     }
     assert_true(asked > 5 * rounds);
-}
-
-/* A map of single triangles. */
-typedef struct soup {
-    vertex_ls v[3 * 32];
-    uint32_t  indices[3 * 32];
-    size_t    no_masks[1];
-    casters   none;
-} soup;
-
-static projection projection_of(soup *o, size_t count)
-{
-    for (uint32_t n = 0; n < 3 * count; n++) o->indices[n] = n;
-    o->no_masks[0] = count;
-    o->none        = (casters){0};
-    return (projection){.casters          = &o->none,
-                        .vertex_count     = 3 * count,
-                        .vertices         = o->v,
-                        .triangle_count   = count,
-                        .holed_first      = count,
-                        .indices          = o->indices,
-                        .alpha_mask_first = o->no_masks};
 }
 
 /* Edges over a whole map, which are too long for 32 bits: the texels of a tile that one of them crosses. */
