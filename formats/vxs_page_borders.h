@@ -16,7 +16,7 @@ enum {
     BLOCK_PX     = 32,
     TILE_PX      = 8,
     NEVER        = 0xffff,            /* a uniform depth: never in shadow */
-    PRIVATE_ZERO = 8192,              /* base 0 of an own tile, as stored in the low bits of its word */
+    PRIVATE_ZERO = 8192,              /* base 0 of a tile with a private palette, as stored in the low bits of its word */
     LISTS        = VXS_PATTERN_KINDS, /* one for each kind of pattern; the list of blocks has the place of the unused kind 1 */
     LIST_CHUNK   = 256,
     LATELY_KEPT  = 64, /* number of patterns of planes used last */

@@ -50,7 +50,7 @@ static inline uint32_t page_last_bit(uint32_t x)
 }
 #endif
 
-/* Functions that are inlined for speed, but for builds with VXS_SMALL, where half of the size is a tenth of the speed. */
+/* Functions that are inlined for speed; not in builds with VXS_SMALL, which have half of the code and are a tenth slower. */
 #ifdef VXS_SMALL
 #define PAGE_CALL static
 #else

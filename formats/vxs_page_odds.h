@@ -9,9 +9,6 @@
 
 /* numbers: of any size, steps to a number that is probably round, signed -------------------------------------------------------- */
 
-/* Values that a set of vxs_page_tiles.h has; of patterns one less. */
-enum { PATTERN_LANES = 16, USED_LANES = 4 };
-
 enum { NUMBER_LONG = 15, SIGNED_MOST = (1 << 28) - 1 /* greatest signed number */ };
 
 typedef struct number_odds {
@@ -85,6 +82,9 @@ typedef struct plane_odds {
     nibble_odds shift, zeros;
     signed_odds a[3], b[3];
 } plane_odds;
+
+/* Room of a set of vxs_page_tiles.h; a set of patterns leaves one place empty. */
+enum { PATTERN_LANES = 16, USED_LANES = 4 };
 
 /* Consists only of nibble_odds, so that it can be used as one array. */
 typedef struct page_odds {

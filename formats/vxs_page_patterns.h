@@ -83,9 +83,8 @@ static uint64_t border_of(const uint32_t *words, uint32_t half, uint32_t depths)
         for (uint32_t n = 0; n + 1 < depths; n++) {
             uint32_t state = get_byte(words, 2 * half + n) >> 2 * c & 3;
             own += state == 2;
-            uint32_t beyond =
-                /* texels of a later depth */
-                ~(get_half(words, own) | (0 - (uint32_t)(state == 1))) | (0 - (uint32_t)(state == 0));
+            /* texels of a later depth */
+            uint32_t beyond = ~(get_half(words, own) | (0 - (uint32_t)(state == 1))) | (0 - (uint32_t)(state == 0));
             row[c] += nibbles_of_bits(beyond >> 12 & 15);
             column[c] += beyond >> 3 & 0x1111;
         }

@@ -342,10 +342,9 @@ static uint32_t code_used(walk *w, const block *b, uint32_t t, uint32_t value, u
         }
     }
     uint32_t tiles = (t & 3 ? b->used[t - 1] : 0u) | (t > 3 ? b->used[t - 4] : 0u), either = left | above, used = 0;
-    uint32_t span =
-        /* from the first to the last entry in the borders */
-        either ? (2u << page_last_bit(either)) - (1u << page_first_bit(either)) : 0;
-    uint32_t low = (left & above) | ((tiles | span) & ~either);
+    /* span: from the first to the last entry in the borders */
+    uint32_t span = either ? (2u << page_last_bit(either)) - (1u << page_first_bit(either)) : 0;
+    uint32_t low  = (left & above) | ((tiles | span) & ~either);
     for (uint32_t n = 0; n < b->entries; n += 4) {
         uint32_t k = (low >> n & 15) | (either >> n & 15) << 4, more = b->entries - n;
         used |= code_nibble(&c, &w->odds->used[more < 4 ? more : 0][k], value >> n & 15) << n;

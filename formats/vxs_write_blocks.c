@@ -172,6 +172,30 @@ static vxs_result join_pages(vxs_bytes *content, const vxs_blocks_view *view, co
     return VXS_OK;
 }
 
+/* Encode all pages, on the threads that the caller lends. */
+static vxs_result encode_pages(vxs_bytes *content, const vxs_sections *s, const vxs_blocks_view *view, const vxs_page_nodes *known,
+                               const vxs_common *common)
+{
+    uint32_t     count = view->words[PAGE_COUNT_WORD];
+    vxs_result   r     = VXS_E_MEMORY;
+    page_encoder e     = {.view       = view,
+                          .known      = known,
+                          .pool       = common,
+                          .zstd_level = s->zstd_level,
+                          .pages      = {.count = count, .parallel = s->parallel}};
+    e.out              = calloc((size_t)count + 1, sizeof *e.out);
+    e.common.at        = malloc((size_t)common->half_count + 1);
+    if (e.out && e.common.at) {
+        vxs_common_mark(&e.common, common);
+        vxs_tasks_run(s->parallel, vxs_task_count(s->parallel, count), encode_some_pages, &e);
+        r = join_pages(content, view, e.out, count);
+        for (uint32_t n = 0; n < count; n++) free(e.out[n].bytes.data);
+    }
+    free(e.out);
+    free(e.common.at);
+    return r;
+}
+
 vxs_result vxs_write_blocks(vxs_sections *s, const vxs_blocks_view *view, const vxs_light *light, uint32_t number)
 {
     if (!in_order(view) || view->packing > VXS_PACKING_FINE) return VXS_E_ARGUMENT;
@@ -189,25 +213,7 @@ vxs_result vxs_write_blocks(vxs_sections *s, const vxs_blocks_view *view, const 
     common.packing = view->packing;
     if (r == VXS_OK)
         r = vxs_resident_encode(&resident, &known, view->words, page_start(view, 0), light->levels, vxs_map_count(light), &common);
-    if (r == VXS_OK) {
-        uint32_t     count = view->words[PAGE_COUNT_WORD];
-        page_encoder e     = {.view       = view,
-                              .known      = &known,
-                              .pool       = &common,
-                              .zstd_level = s->zstd_level,
-                              .pages      = {.count = count, .parallel = s->parallel}};
-        r                  = VXS_E_MEMORY;
-        e.out              = calloc((size_t)count + 1, sizeof *e.out);
-        e.common.at        = malloc((size_t)common.half_count + 1);
-        if (e.out && e.common.at) {
-            vxs_common_mark(&e.common, &common);
-            vxs_tasks_run(s->parallel, vxs_task_count(s->parallel, count), encode_some_pages, &e);
-            r = join_pages(&pages, view, e.out, count);
-            for (uint32_t n = 0; n < count; n++) free(e.out[n].bytes.data);
-        }
-        free(e.out);
-        free(e.common.at);
-    }
+    if (r == VXS_OK) r = encode_pages(&pages, s, view, &known, &common);
     if (r == VXS_OK && view->packing == VXS_PACKING_FAST) {
         /* The bytes so far were needed to check that the resident part keeps every rule. */
         vxs_resident_sizes sizes = {page_start(view, 0), view->words[PAGE_COUNT_WORD], known.node_count, view->common_count};

@@ -9,9 +9,8 @@
  *
  * The library allocates memory in open functions only, never prints, never exits, and has no global state. An open asset is
  * read-only: any number of threads may look it up at once. For levels larger than memory, and where the first lookup must not wait
- * until all pages are decoded, use vxs_stream.h. For lookups on a GPU
- * upload a light's words and its vxs_light_constants_of, and compile the texts of vxs_lookup.h, vxs_lookup_blocks.h and
- * vxs_space.h into the shader (docs/runtime.md).
+ * until all pages are decoded, use vxs_stream.h. For lookups on a GPU upload a light's words and its vxs_light_constants_of, and
+ * compile the texts of vxs_lookup.h, vxs_lookup_blocks.h and vxs_space.h into the shader (docs/runtime.md).
  * Public.
  * SPDX-License-Identifier: MIT */
 #ifndef VXS_H
