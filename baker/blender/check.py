@@ -68,27 +68,26 @@ class Truth:
         answers = np.full(len(points), OUTSIDE)
         for n in np.flatnonzero((ways * normals).sum(1) >= 0.0).tolist():
             answers[n] = self.ray(points[n], ways[n], 1e30 if light["kind"] == "directional" else far[n])
-        unknown = np.isnan(answers)
+        unknown, number = np.isnan(answers), [self.numbers[light["name"]]]
         if unknown.any():
-            asked = self.baked.ask(points[unknown], normals[unknown], [self.numbers[light["name"]]], "truth", self.path)
-            answers[unknown] = asked[:, 0] != 0.0
+            answers[unknown] = self.baked.ask(points[unknown], normals[unknown], number, "truth", self.path)[:, 0] != 0.0
         return answers
 
 
-def at_edges(baked: Baked, places: np.ndarray, normals: np.ndarray) -> np.ndarray:
-    """[points, lights]: whether the file has an edge of a shadow within about two texels on the surface."""
-    reach = REACH * baked.width(places)[:, None]
-    around = [baked.lit(places, normals, 3)]
-    for axis in (*np.eye(3), *-np.eye(3)):
-        around.append(baked.lit(places + reach * (axis - (normals @ axis)[:, None] * normals), normals, 3))
-    return (np.max(around, 0) > 0.0) & (np.min(around, 0) < 1.0)
+def at_edges(baked: Baked, n: int, places: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """[points]: whether the file has an edge of a light's shadow within about two texels on the surface."""
+    across = np.cross(normals, np.eye(3)[np.abs(normals).argmin(1)])
+    across *= (REACH * baked.lights[n]["texel_m"] * towards(baked.lights[n], places)[1] / np.linalg.norm(across, axis=1))[:, None]
+    turns = np.linspace(0, 2 * math.pi, 12, False)[:, None, None]
+    around = (places + np.cos(turns) * across + np.sin(turns) * np.cross(normals, across)).reshape(-1, 3)
+    lit = baked.ask(around, np.tile(normals, (12, 1)), [baked.numbers[n]], "query", baked.path, "--filter", "3").reshape(12, -1)
+    return (lit.max(0) > 0.0) & (lit.min(0) < 1.0)
 
 
 def compare(context: Context, baked: Baked, folder: str, limit: int) -> Iterator[float]:
     """Compare points on the preview, each light with Blender's rays, and show what differs. Yields the share that is done."""
     shown = overlay.shown_in(context.scene) or preview(context, baked, 1, 100000)
-    mesh, hair = shown.data, shown["vxs_hair"]
-    count = len(mesh.polygons)
+    mesh, hair, count = shown.data, shown["vxs_hair"], len(shown.data.polygons)
     centres, normals, areas, colours = (np.empty(count * width, np.float32) for width in (3, 3, 1, 12))
     for name, values in (("center", centres), ("normal", normals), ("area", areas)):
         mesh.polygons.foreach_get(name, values)
@@ -100,13 +99,14 @@ def compare(context: Context, baked: Baked, folder: str, limit: int) -> Iterator
     given = baked.lit(places, normals)
     right = np.empty_like(given)
     for n, light in enumerate(baked.lights):
-        for begin in range(0, len(rows), PIECE):
-            part = slice(begin, begin + PIECE)
+        for part in [slice(begin, begin + PIECE) for begin in range(0, len(rows), PIECE)]:
             right[part, n] = truth.lit(places[part] + 0.1 * hair * normals[part], normals[part], light)
-            yield (n + min(1.0, (begin + PIECE) / len(rows))) / len(baked.lights)
+            yield (n + min(1.0, part.stop / len(rows))) / len(baked.lights)
     compared = (given != OUTSIDE) & (right != OUTSIDE)
     differs, weights = compared & (given != right), compared * areas[rows][:, None]
-    far = differs & ~at_edges(baked, places, normals)
+    far = differs.copy()
+    for n, wrong in enumerate(differs.T):
+        far[wrong, n] = ~at_edges(baked, n, places[wrong], normals[wrong])
     colours = colours.reshape(-1, 3, 4)[..., :3]
     colours[rows[differs.any(1)]] = COLOURS["NEAR"]
     colours[rows[far.any(1)]] = COLOURS["FAR"]

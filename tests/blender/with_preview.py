@@ -52,7 +52,8 @@ class PreviewRequests:
         for n in chosen.tolist():
             place, normal, given = Vector(places[n]) + 2e-4 * Vector(normals[n]), Vector(normals[n]), round(float(grey[n]))
             lit += given
-            if truth.answer(rays, lamp, place) != given:
+            is_away = lamp.towards(place)[0].dot(normal) < 0  # dark, whatever a ray from beside the surface meets
+            if (0 if is_away else truth.answer(rays, lamp, place)) != given:
                 differ += 1
                 if explainer.explain(place, normal, given) is None:
                     unexplained.append([list(place), list(normal), given])
