@@ -840,9 +840,9 @@ static void packed_blocks(void **state)
         assert_memory_equal(&b, &back, sizeof b);
         const block_parts parts = block_parts_of(bytes);
         head                    = parts.head;
-        assert_int_equal(head.patterns, __builtin_popcount(head.patterned));
+        assert_int_equal(head.mixed_count, __builtin_popcount(head.mixed));
         for (int t = 0; t < BLOCK_TILES; t++) {
-            assert_int_equal(head.patterned >> t & 1, tile_has_pattern(&b.tile[t]));
+            assert_int_equal(head.mixed >> t & 1, tile_has_pattern(&b.tile[t]));
             assert_int_equal(head.own >> t & 1, b.tile[t].kind == TILE_PRIVATE);
             if (tile_has_pattern(&b.tile[t])) assert_memory_equal(parts.pattern + 4 * count++, &b.tile[t].pattern, 4);
         }
@@ -874,7 +874,7 @@ static void packed_blocks(void **state)
 }
 
 /* Number of blocks of 4 x 4 tiles that have no common depth with a slope. */
-static int blocks_folded(const int32_t *emax, const int32_t *xmin, node_slope s, uint64_t *blocks)
+static int count_mixed(const int32_t *emax, const int32_t *xmin, node_slope s, uint64_t *blocks)
 {
     int count = 0;
     *blocks   = 0;
@@ -910,14 +910,14 @@ static void slopes_save_blocks(void **state)
             if (things && !rng_below(&r, things)) xmin[t] = emax[t] - 1 - (int32_t)rng_below(&r, 100);
             deepest = max_i32(deepest, emax[t]);
         }
-        int        without = blocks_folded(emax, xmin, none, &mixed);
+        int        without = count_mixed(emax, xmin, none, &mixed);
         node_slope slope   = slope_find(emax, xmin, deepest, mixed, rng_below(&r, 2) ? ground : none);
         if (!slope_may_help(emax, xmin, deepest, mixed)) {
             assert_true(!slope.x && !slope.y);
-            assert_true(blocks_folded(emax, xmin, ground, &left) >= without - 1);
+            assert_true(count_mixed(emax, xmin, ground, &left) >= without - 1);
             ruled_out++;
         } else if (slope.x || slope.y) {
-            assert_true(blocks_folded(emax, xmin, slope, &left) < without - 1);
+            assert_true(count_mixed(emax, xmin, slope, &left) < without - 1);
             found++;
         }
     }

@@ -124,7 +124,7 @@ static inline int shape_is_wide(const node_shape *s)
 static inline int block_is_far(const block_parts *b)
 {
     int far = 0;
-    for (uint32_t n = 0; n < b->head.owns; n++) {
+    for (uint32_t n = 0; n < b->head.own_count; n++) {
         int32_t base;
         memcpy(&base, b->base + 4 * n, sizeof base);
         far |= base < -FAR_BASE || base >= FAR_BASE;

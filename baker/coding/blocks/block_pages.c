@@ -27,7 +27,7 @@ uint32_t layout_node_words(const node_shape *s)
 static uint32_t words_of(const block_parts *b)
 {
     const block_head *h = &b->head;
-    return 2 + (h->planar ? PLANE_WORDS : 0) + h->patterns + h->tail_words + (block_is_far(b) ? h->owns : 0);
+    return 2 + (h->planar ? PLANE_WORDS : 0) + h->mixed_count + h->tail_words + (block_is_far(b) ? h->own_count : 0);
 }
 
 static void measure_some_blocks(void *user, size_t begin, size_t end, uint32_t worker)
@@ -86,7 +86,7 @@ static void add_patterns(const layout *l, cutter *c, uint32_t page, page_size *s
 {
     const block_parts b       = block_parts_of(intern_at(&l->set->blocks, id));
     const uint8_t    *pattern = b.pattern;
-    for (uint32_t rest = b.head.patterned; rest; rest &= rest - 1, pattern += 4) {
+    for (uint32_t rest = b.head.mixed; rest; rest &= rest - 1, pattern += 4) {
         const int is_private = (b.head.own & rest & -rest) != 0;
         uint32_t  code;
         memcpy(&code, pattern, sizeof code);

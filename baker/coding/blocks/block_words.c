@@ -112,7 +112,7 @@ static uint32_t pattern_ref(page_writer *w, page_sink *s, int is_private, uint32
 static uint32_t *write_tiles(page_writer *w, page_sink *s, uint32_t *to, const block_parts *b, int far)
 {
     const uint8_t *pattern = b->pattern, *base = b->base, *used = b->used;
-    for (uint32_t rest = b->head.patterned; rest; rest &= rest - 1, pattern += 4) {
+    for (uint32_t rest = b->head.mixed; rest; rest &= rest - 1, pattern += 4) {
         const int is_private = (b->head.own & rest & -rest) != 0;
         uint32_t  code, low = 0;
         memcpy(&code, pattern, sizeof code);
@@ -136,7 +136,7 @@ static void write_block(page_writer *w, page_sink *s, const block_parts *b)
     const block_head *h    = &b->head;
     const int         far  = block_is_far(b);
     uint32_t         *from = s->words + s->word, *to = from + 2;
-    from[0] = h->patterned | (uint32_t)h->fresh << 16;
+    from[0] = h->mixed | (uint32_t)h->fresh << 16;
     from[1] = h->own | h->planar | (uint32_t)((h->depths - 1) | h->shift << 4 | h->width << 8 | (far ? (int)BLOCK_FAR : 0)) << 16;
     if (h->planar) {
         plane p = {0};
@@ -148,15 +148,15 @@ static void write_block(page_writer *w, page_sink *s, const block_parts *b)
     to = write_tiles(w, s, to, b, far);
     for (uint32_t n = 0; n < h->tail_words; n++) *to++ = vxs_load32(b->tail + 4 * n);
     if (far) {
-        memcpy(to, b->base, h->owns * sizeof *to);
-        to += h->owns;
+        memcpy(to, b->base, h->own_count * sizeof *to);
+        to += h->own_count;
     }
     const uint32_t words = (uint32_t)(to - from);
     s->word += words;
     w->counts.blocks++;
     w->counts.block_words += words;
-    w->counts.tiles += h->patterns;
-    w->counts.private_tiles += h->owns;
+    w->counts.tiles += h->mixed_count;
+    w->counts.private_tiles += h->own_count;
 }
 
 /* Write a node that is new in the page, and behind it its blocks that are. */

@@ -38,11 +38,11 @@ static uint32_t head_of(block_head *h, const block *b, uint64_t *entries)
     uint32_t fresh = 0, last = PALETTE_MAX;
     for (uint32_t n = 0; n < BLOCK_TILES; n++) {
         const block_tile *t = &b->tile[n];
-        h->patterned |= (uint16_t)(tile_has_pattern(t) << n);
+        h->mixed |= (uint16_t)(tile_has_pattern(t) << n);
         h->own |= (uint16_t)((t->kind == TILE_PRIVATE) << n);
         h->planar |= (uint16_t)((t->kind == TILE_PLANE) << n);
-        h->patterns += (uint8_t)tile_has_pattern(t);
-        h->owns += t->kind == TILE_PRIVATE;
+        h->mixed_count += (uint8_t)tile_has_pattern(t);
+        h->own_count += t->kind == TILE_PRIVATE;
         if (t->kind != TILE_UNIFORM || t->palette == last) continue;
         last = t->palette;
         h->fresh |= (uint16_t)(1u << n);
@@ -61,10 +61,10 @@ size_t block_pack(const block *b, uint8_t bytes[BLOCK_PACKED_MAX])
     h.tail_words = (uint8_t)((tail + spare) / 4);
 
     uint8_t *to = put(bytes, &h, sizeof h);
-    for (uint32_t rest = h.patterned; rest; rest &= rest - 1) to = put(to, &b->tile[__builtin_ctz(rest)].pattern, 4);
+    for (uint32_t rest = h.mixed; rest; rest &= rest - 1) to = put(to, &b->tile[__builtin_ctz(rest)].pattern, 4);
     for (uint32_t rest = h.own; rest; rest &= rest - 1) to = put(to, &b->tile[__builtin_ctz(rest)].base, 4);
     if (h.has_plane) to = put(to, &b->plane, sizeof b->plane);
-    for (uint32_t rest = h.patterned & ~h.own; rest; rest &= rest - 1) to = put(to, &b->tile[__builtin_ctz(rest)].palette, 2);
+    for (uint32_t rest = h.mixed & ~h.own; rest; rest &= rest - 1) to = put(to, &b->tile[__builtin_ctz(rest)].palette, 2);
     for (uint32_t n = 1; n < b->depths; n++, to += 1u << h.width) vxs_store32(to, (uint32_t)b->depth[n] >> h.shift);
     vxs_store64(to, entries);
     to += (fresh + 1) / 2;
@@ -77,10 +77,10 @@ block_parts block_parts_of(const uint8_t *bytes)
 {
     block_parts p;
     p.pattern = take(&p.head, bytes, sizeof p.head);
-    p.base    = p.pattern + 4 * p.head.patterns;
-    p.plane   = p.base + 4 * p.head.owns;
+    p.base    = p.pattern + 4 * p.head.mixed_count;
+    p.plane   = p.base + 4 * p.head.own_count;
     p.used    = p.plane + (p.head.has_plane ? sizeof(plane) : 0);
-    p.tail    = p.used + 2 * (p.head.patterns - p.head.owns);
+    p.tail    = p.used + 2 * (p.head.mixed_count - p.head.own_count);
     return p;
 }
 
@@ -100,7 +100,7 @@ void block_unpack(block *b, const uint8_t *bytes)
         block_tile *t = &b->tile[n];
         if (h->planar >> n & 1) {
             t->kind = TILE_PLANE;
-        } else if (!(h->patterned >> n & 1)) {
+        } else if (!(h->mixed >> n & 1)) {
             if (h->fresh >> n & 1) last = p.tail[fresh / 2] >> 4 * (fresh & 1) & 15, fresh++;
             t->palette = (uint16_t)last;
         } else {
@@ -119,8 +119,8 @@ void block_renumber(uint8_t *bytes, const uint32_t *shared, const uint32_t *priv
     block_head head;
     uint8_t   *pattern = bytes + sizeof head, *base;
     memcpy(&head, bytes, sizeof head);
-    base = pattern + 4 * head.patterns;
-    for (uint32_t rest = head.patterned; rest; rest &= rest - 1, pattern += 4) {
+    base = pattern + 4 * head.mixed_count;
+    for (uint32_t rest = head.mixed; rest; rest &= rest - 1, pattern += 4) {
         uint32_t was;
         int32_t  depth;
         memcpy(&was, pattern, sizeof was);

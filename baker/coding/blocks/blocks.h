@@ -55,10 +55,10 @@ enum { BLOCK_PACKED_MAX = sizeof(block) };
 
 /* Bit n of a mask is tile n. */
 typedef struct block_head {
-    uint16_t patterned, own, planar; /* tiles with a pattern; those with a private palette; tiles on the plane */
-    uint16_t fresh;                  /* tiles of a single depth whose entry is not that of the one before */
+    uint16_t mixed, own, planar; /* tiles with a pattern; those with a private palette; tiles on the plane */
+    uint16_t fresh;              /* tiles of a single depth whose entry is not that of the one before */
     uint8_t  depths, has_plane, shift, width;
-    uint8_t  patterns, owns; /* number of tiles in these masks */
+    uint8_t  mixed_count, own_count; /* number of tiles in these masks */
     uint8_t  tail_words;
 } block_head;
 

@@ -17,14 +17,14 @@ enum {
 /* Bounds of tiles in steps that fit into 16 bits with a slope added. */
 typedef struct tile_bounds {
     int16_t emax[TILES], xmin[TILES];
-    int     torn[ROWS]; /* number of torn blocks in a row of blocks */
+    int     helpless[ROWS]; /* number of helpless blocks (mixed_blocks) in a row of blocks */
 } tile_bounds;
 
-/* Blocks without a common depth. */
-typedef struct folded_blocks {
-    uint64_t torn;  /* a tile has no single depth: no slope can help them */
-    uint64_t loose; /* the others */
-} folded_blocks;
+/* Blocks without a common depth, as bits. */
+typedef struct mixed_blocks {
+    uint64_t helpless; /* a tile has no single depth: no slope can help them */
+    uint64_t others;
+} mixed_blocks;
 
 static int steps_of(int32_t deepest)
 {
@@ -39,52 +39,52 @@ typedef struct node_bounds {
     int            steps;
 } node_bounds;
 
-/* Whether a block has no common depth with a slope.   torn  [out] nonzero if a tile has no single depth */
-static ALWAYS_INLINE int is_folded(const node_bounds *b, int block, node_slope s, int *torn)
+/* Whether a block has no common depth with a slope.   helpless  [out] nonzero if a tile has no single depth */
+static ALWAYS_INLINE int is_mixed(const node_bounds *b, int block, node_slope s, int *helpless)
 {
     const int x = block % 8 * 4, y = block / 8 * 4;
-    i32x4     low = i32x4_all(0), high = i32x4_all(INT32_MAX), torn_tiles = i32x4_all(0);
+    i32x4     low = i32x4_all(0), high = i32x4_all(INT32_MAX), mixed_tiles = i32x4_all(0);
     i32x4     shift = (i32x4){0, s.x, 2 * s.x, 3 * s.x} + (s.x * (s.x < 0 ? x - 31 : x) + s.y * (s.y < 0 ? y - 31 : y));
     for (int row = 0, at = NODE_TILES * y + x; row < 4; row++, at += NODE_TILES, shift += i32x4_all(s.y)) {
         i32x4 e = i32x4_load(b->emax + at) >> b->steps, exit = i32x4_load(b->xmin + at) >> b->steps;
-        torn_tiles |= (i32x4)(e > exit);
+        mixed_tiles |= (i32x4)(e > exit);
         low  = i32x4_max(low, e + (shift >> 8));
         high = i32x4_min(high, exit + (shift >> 8));
     }
-    *torn = (int)i32x4_bits(torn_tiles);
+    *helpless = (int)i32x4_bits(mixed_tiles);
     return i32x4_greatest(low) > i32x4_least(high);
 }
 
-static folded_blocks folded_without_slope(const node_bounds *b, uint64_t mixed)
+static mixed_blocks mixed_without_slope(const node_bounds *b, uint64_t mixed)
 {
-    folded_blocks f = {0, 0};
+    mixed_blocks f = {0, 0};
     for (; mixed; mixed &= mixed - 1) {
-        int      torn, folded = is_folded(b, __builtin_ctzll(mixed), (node_slope){0, 0}, &torn);
+        int      helpless, mixed_now = is_mixed(b, __builtin_ctzll(mixed), (node_slope){0, 0}, &helpless);
         uint64_t block = mixed & -mixed;
-        if (torn)
-            f.torn |= block;
-        else if (folded)
-            f.loose |= block;
+        if (helpless)
+            f.helpless |= block;
+        else if (mixed_now)
+            f.others |= block;
     }
     return f;
 }
 
 int slope_may_help(const int32_t *emax, const int32_t *xmin, int32_t deepest, uint64_t mixed)
 {
-    node_bounds b     = {emax, xmin, steps_of(deepest)};
-    uint64_t    loose = folded_without_slope(&b, mixed).loose;
-    return (loose & (loose - 1)) != 0;
+    node_bounds b      = {emax, xmin, steps_of(deepest)};
+    uint64_t    others = mixed_without_slope(&b, mixed).others;
+    return (others & (others - 1)) != 0;
 }
 
-/* How many blocks have no common depth with a slope at least: the torn ones, and loose ones that it does not help. */
-static int left_at_least(const node_bounds *b, uint64_t loose, int torn, node_slope s)
+/* At least how many blocks have no common depth with a slope: the helpless ones, and others that it does not help. */
+static int left_at_least(const node_bounds *b, uint64_t others, int helpless, node_slope s)
 {
-    for (int ignored; loose; loose &= loose - 1) torn += is_folded(b, __builtin_ctzll(loose), s, &ignored);
-    return torn;
+    for (int ignored; others; others &= others - 1) helpless += is_mixed(b, __builtin_ctzll(others), s, &ignored);
+    return helpless;
 }
 
 /* How many of two blocks have no common depth, from four columns of bounds each. */
-static int folded_count(i16x8 low, i16x8 high)
+static int mixed_count(i16x8 low, i16x8 high)
 {
     i16x8 no_depth = (i16x8)(i16x8_max_of_four(low) > i16x8_min_of_four(high));
     return -no_depth[0] - no_depth[4];
@@ -104,10 +104,10 @@ static void shift_along(row_shift *r, int32_t slope)
     }
 }
 
-static int torn_blocks(const tile_bounds *t)
+static int helpless_blocks(const tile_bounds *t)
 {
     int count = 0;
-    for (int row = 0; row < ROWS; row++) count += t->torn[row];
+    for (int row = 0; row < ROWS; row++) count += t->helpless[row];
     return count;
 }
 
@@ -115,11 +115,11 @@ static int torn_blocks(const tile_bounds *t)
 static int blocks_left(const tile_bounds *t, node_slope s, int enough)
 {
     row_shift across, down;
-    int       count = torn_blocks(t);
+    int       count = helpless_blocks(t);
     shift_along(&across, s.x);
     shift_along(&down, s.y);
     for (int row = 0; row < ROWS && count < enough; row++) {
-        count -= t->torn[row];
+        count -= t->helpless[row];
         for (int n = 0; n < NODE_TILES; n += 8) {
             i16x8 low = i16x8_all(INT16_MIN), high = i16x8_all(INT16_MAX);
             i16x8 whole = i16x8_load(across.whole + n), part = i16x8_load(across.part + n);
@@ -128,7 +128,7 @@ static int blocks_left(const tile_bounds *t, node_slope s, int enough)
                 low      = i16x8_max(low, i16x8_adds(i16x8_load(t->emax + NODE_TILES * y + n), up));
                 high     = i16x8_min(high, i16x8_adds(i16x8_load(t->xmin + NODE_TILES * y + n), up));
             }
-            count += folded_count(low, high);
+            count += mixed_count(low, high);
         }
     }
     return count;
@@ -152,18 +152,18 @@ static int middle_of(const int16_t *steps)
 
 node_slope slope_find(const int32_t *emax, const int32_t *xmin, int32_t deepest, uint64_t mixed, node_slope first)
 {
-    tile_bounds   t;
-    node_slope    best   = {0, 0};
-    node_bounds   given  = {emax, xmin, steps_of(deepest)};
-    const int     steps  = given.steps;
-    folded_blocks folded = folded_without_slope(&given, mixed);
+    tile_bounds  t;
+    node_slope   best      = {0, 0};
+    node_bounds  given     = {emax, xmin, steps_of(deepest)};
+    const int    steps     = given.steps;
+    mixed_blocks mixed_now = mixed_without_slope(&given, mixed);
     for (int n = 0; n < TILES; n += 8) {
         i16x8_store(t.emax + n, i16x8_clamped(i32x4_load(emax + n) >> steps, i32x4_load(emax + n + 4) >> steps));
         i16x8_store(t.xmin + n, i16x8_clamped(i32x4_load(xmin + n) >> steps, i32x4_load(xmin + n + 4) >> steps));
     }
     first.x >>= steps;
     first.y >>= steps;
-    for (int row = 0; row < ROWS; row++) t.torn[row] = __builtin_popcount(folded.torn >> 8 * row & 255);
+    for (int row = 0; row < ROWS; row++) t.helpless[row] = __builtin_popcount(mixed_now.helpless >> 8 * row & 255);
 
     /* median of the depth differences over four tiles, in 1/256 voxel per tile */
     int16_t across[STEPS], down[STEPS];
@@ -173,14 +173,14 @@ node_slope slope_find(const int32_t *emax, const int32_t *xmin, int32_t deepest,
             across[count] = (int16_t)(t.emax[a * NODE_TILES + b + 4] - t.emax[a * NODE_TILES + b]);
             down[count]   = (int16_t)(t.emax[(b + 4) * NODE_TILES + a] - t.emax[b * NODE_TILES + a]);
         }
-    node_slope middle = {-64 * middle_of(across), -64 * middle_of(down)};
-    const int  torn   = torn_blocks(&t);
-    int        fewest = torn + __builtin_popcountll(folded.loose) - 1; /* a slope must save more than its own size */
+    node_slope middle   = {-64 * middle_of(across), -64 * middle_of(down)};
+    const int  helpless = helpless_blocks(&t);
+    int        fewest   = helpless + __builtin_popcountll(mixed_now.others) - 1; /* a slope must save more than its own size */
     for (int n = -1; n < 25; n++) {
         node_slope s    = n < 0 ? first : (node_slope){middle.x + (n % 5 - 2) * 32, middle.y + (n / 5 - 2) * 32};
         int        cost = n >= 0;
         if (abs(s.x) > SLOPE_MAX || abs(s.y) > SLOPE_MAX || slope_shift_max(s) > SHIFT_MAX) continue;
-        if (left_at_least(&given, folded.loose, torn, s) + cost >= fewest) continue;
+        if (left_at_least(&given, mixed_now.others, helpless, s) + cost >= fewest) continue;
         int left = blocks_left(&t, s, fewest) + cost;
         if (left >= fewest) continue;
         fewest = left;
