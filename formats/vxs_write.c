@@ -38,12 +38,11 @@ static vxs_result assemble(vxs_bytes *out, const vxs_sections *s)
 }
 
 /* Add the sections of light n, and write its record. */
-static vxs_result add_light(vxs_sections *s, const vxs_write_light *l, uint32_t n, uint8_t *record)
+static vxs_result add_light(vxs_sections *s, const vxs_write_light *l, vxs_encoded_light *encoded, uint32_t n, uint8_t *record)
 {
     int        blocks = l->light.coding == VXS_CODING_BLOCKS;
     uint32_t   words  = l->blocks.word_count;
-    vxs_result r =
-        blocks ? vxs_write_blocks(s, &l->blocks, &l->light, n) : vxs_write_dag(s, &l->dag, vxs_map_count(&l->light), n, &words);
+    vxs_result r      = blocks ? vxs_write_blocks(s, encoded, n) : vxs_write_dag(s, &l->dag, vxs_map_count(&l->light), n, &words);
 
     memset(record, 0, VXS_LIGHT_BYTES);
     vxs_store32(record + VXS_LIGHT_KIND, l->light.kind);
@@ -67,15 +66,18 @@ static vxs_result add_light(vxs_sections *s, const vxs_write_light *l, uint32_t 
 static vxs_result add_sections(vxs_sections *s, const vxs_write_desc *desc)
 {
     /* the table of lights follows the levels, because it holds their word counts */
-    vxs_bytes  table = {0};
-    vxs_result r     = VXS_OK;
-    uint8_t   *at    = vxs_append(&table, VXS_LIGHTS_PREFIX_BYTES + (size_t)desc->light_count * VXS_LIGHT_BYTES);
+    vxs_bytes          table   = {0};
+    vxs_encoded_light *encoded = NULL;
+    vxs_result         r       = VXS_E_MEMORY;
+    uint8_t           *at      = vxs_append(&table, VXS_LIGHTS_PREFIX_BYTES + (size_t)desc->light_count * VXS_LIGHT_BYTES);
     if (!at) return VXS_E_MEMORY;
     vxs_store32(at, desc->light_count);
     vxs_store32(at + 4, VXS_LIGHT_BYTES);
+    r = vxs_encode_blocks(&encoded, s, desc->lights, desc->light_count);
     for (uint32_t n = 0; n < desc->light_count && r == VXS_OK; n++)
-        r = add_light(s, &desc->lights[n], n, table.data + VXS_LIGHTS_PREFIX_BYTES + (size_t)n * VXS_LIGHT_BYTES);
+        r = add_light(s, &desc->lights[n], encoded, n, table.data + VXS_LIGHTS_PREFIX_BYTES + (size_t)n * VXS_LIGHT_BYTES);
     if (r == VXS_OK) r = vxs_add_section(s, VXS_KIND_LIGHTS, 0, VXS_NO_LIGHT, 0, &table);
+    vxs_encoded_free(encoded, desc->light_count);
     free(table.data);
     if (r == VXS_OK && desc->points) r = vxs_add_points(s, desc->points);
     if (r == VXS_OK && desc->metadata) {

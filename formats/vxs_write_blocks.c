@@ -1,4 +1,4 @@
-/* Writing a light of palette blocks: its resident part and its pages; formats/vxs.md section 14.
+/* Writing lights of palette blocks: their resident parts and their pages; formats/vxs.md section 14.
  * SPDX-License-Identifier: MIT */
 #include <stdlib.h>
 #include <string.h>
@@ -100,15 +100,23 @@ typedef struct encoded_page {
     vxs_result result;
 } encoded_page;
 
-/* State of encoding pages. */
+/* A light of palette blocks, from its words to the bytes of its sections. */
+struct vxs_encoded_light {
+    const vxs_blocks_view *view; /* NULL: of another coding */
+    uint32_t               first_page, page_count;
+    uint32_t              *patterns; /* for the next */
+    vxs_common             pool;
+    vxs_common_marks       marks; /* only for packing fast */
+    vxs_page_nodes         known;
+    vxs_bytes              resident;
+    encoded_page          *pages; /* [page_count] */
+};
+
+/* State of encoding the pages of all lights, which are counted on. */
 typedef struct page_encoder {
-    const vxs_blocks_view *view;
-    const vxs_page_nodes  *known;
-    const vxs_common      *pool;
-    vxs_common_marks       common; /* only for packing fast, like the next */
-    int                    zstd_level;
-    encoded_page          *out; /* [pages.count] */
-    vxs_items              pages;
+    vxs_encoded_light *lights;
+    int                zstd_level;
+    vxs_items          pages;
 } page_encoder;
 
 static uint32_t page_words(const vxs_blocks_view *view, uint32_t page)
@@ -116,36 +124,49 @@ static uint32_t page_words(const vxs_blocks_view *view, uint32_t page)
     return page_start(view, page + 1) - page_start(view, page);
 }
 
+/* Memory of a task, made when a page needs it. */
+typedef struct page_tools {
+    vxs_page_encoder *encoder;
+    vxs_page_marks   *marks;
+    ZSTD_CCtx        *zstd;
+} page_tools;
+
+static vxs_result encode_page(page_tools *t, const vxs_encoded_light *l, uint32_t page, int zstd_level)
+{
+    vxs_bytes           *to         = &l->pages[page].bytes;
+    const uint32_t      *words      = l->view->words + page_start(l->view, page);
+    uint32_t             count      = page_words(l->view, page);
+    const vxs_page_node *nodes      = l->known.nodes + l->known.page_first[page];
+    uint32_t             node_count = l->known.page_first[page + 1] - l->known.page_first[page];
+    if (l->view->packing != VXS_PACKING_FAST) {
+        if (!t->encoder) t->encoder = vxs_page_encoder_new();
+        return t->encoder ? vxs_page_encode(t->encoder, to, words, count, nodes, node_count, &l->pool) : VXS_E_MEMORY;
+    }
+    if (!t->marks) t->marks = malloc(sizeof *t->marks);
+    if (!t->zstd) t->zstd = vxs_compressor(zstd_level);
+    if (!t->marks || !t->zstd) return VXS_E_MEMORY;
+    t->marks->common = &l->marks;
+    return vxs_page_pack(to, words, count, nodes, node_count, t->marks, t->zstd);
+}
+
 /* A task: encodes pages that no other task has taken. After an error no further page is taken; all pages before it are
  * encoded. */
 static void encode_some_pages(void *work, uint32_t task)
 {
-    page_encoder         *e       = work;
-    const vxs_page_nodes *k       = e->known;
-    int                   is_fast = e->view->packing == VXS_PACKING_FAST;
-    vxs_page_encoder     *encoder = is_fast ? NULL : vxs_page_encoder_new();
-    vxs_page_marks       *marks   = is_fast ? malloc(sizeof *marks) : NULL;
-    ZSTD_CCtx            *zstd    = is_fast ? vxs_compressor(e->zstd_level) : NULL;
-    uint32_t              page;
+    page_encoder            *e = work;
+    page_tools               t = {0};
+    const vxs_encoded_light *l = e->lights;
+    uint32_t                 page;
     (void)task;
-    if (marks) marks->common = &e->common;
     while (vxs_items_next(&e->pages, &page)) {
-        encoded_page        *to         = &e->out[page];
-        const uint32_t      *words      = e->view->words + page_start(e->view, page);
-        uint32_t             count      = page_words(e->view, page);
-        const vxs_page_node *nodes      = k->nodes + k->page_first[page];
-        uint32_t             node_count = k->page_first[page + 1] - k->page_first[page];
-        if (encoder)
-            to->result = vxs_page_encode(encoder, &to->bytes, words, count, nodes, node_count, e->pool);
-        else if (marks && zstd)
-            to->result = vxs_page_pack(&to->bytes, words, count, nodes, node_count, marks, zstd);
-        else
-            to->result = VXS_E_MEMORY;
+        while (page - l->first_page >= l->page_count) l++;
+        encoded_page *to = &l->pages[page - l->first_page];
+        to->result       = encode_page(&t, l, page - l->first_page, e->zstd_level);
         if (to->result != VXS_OK) vxs_items_end(&e->pages);
     }
-    vxs_page_encoder_free(encoder);
-    ZSTD_freeCCtx(zstd);
-    free(marks);
+    vxs_page_encoder_free(t.encoder);
+    ZSTD_freeCCtx(t.zstd);
+    free(t.marks);
 }
 
 /* Join the content of the section of pages: table, then bytes of the pages. */
@@ -172,61 +193,80 @@ static vxs_result join_pages(vxs_bytes *content, const vxs_blocks_view *view, co
     return VXS_OK;
 }
 
-/* Encode all pages, on the threads that the caller lends. */
-static vxs_result encode_pages(vxs_bytes *content, const vxs_sections *s, const vxs_blocks_view *view, const vxs_page_nodes *known,
-                               const vxs_common *common)
+/* Everything of a light but its pages. */
+static vxs_result begin_light(vxs_encoded_light *l, const vxs_write_light *light)
 {
-    uint32_t     count = view->words[PAGE_COUNT_WORD];
-    vxs_result   r     = VXS_E_MEMORY;
-    page_encoder e     = {.view       = view,
-                          .known      = known,
-                          .pool       = common,
-                          .zstd_level = s->zstd_level,
-                          .pages      = {.count = count, .parallel = s->parallel}};
-    e.out              = calloc((size_t)count + 1, sizeof *e.out);
-    e.common.at        = malloc((size_t)common->half_count + 1);
-    if (e.out && e.common.at) {
-        vxs_common_mark(&e.common, common);
-        vxs_tasks_run(s->parallel, vxs_task_count(s->parallel, count), encode_some_pages, &e);
-        r = join_pages(content, view, e.out, count);
-        for (uint32_t n = 0; n < count; n++) free(e.out[n].bytes.data);
-    }
-    free(e.out);
-    free(e.common.at);
-    return r;
-}
-
-vxs_result vxs_write_blocks(vxs_sections *s, const vxs_blocks_view *view, const vxs_light *light, uint32_t number)
-{
+    const vxs_blocks_view *view = &light->blocks;
     if (!in_order(view) || view->packing > VXS_PACKING_FINE) return VXS_E_ARGUMENT;
-    vxs_bytes      resident = {0}, pages = {0};
-    vxs_page_nodes known = {0};
-    vxs_common     common;
-    uint32_t      *patterns = malloc(((size_t)view->common_count + 1) * sizeof *patterns);
-    vxs_result     r        = patterns ? VXS_E_ARGUMENT : VXS_E_MEMORY;
+    l->view       = view;
+    l->page_count = view->words[PAGE_COUNT_WORD];
+    l->pages      = calloc((size_t)l->page_count + 1, sizeof *l->pages);
+    l->patterns   = malloc(((size_t)view->common_count + 1) * sizeof *l->patterns);
+    if (!l->pages || !l->patterns) return VXS_E_MEMORY;
 
     /* the common pool ends at the first page; its last half may be padding */
     const uint32_t *pool   = view->words + view->words[COMMON_WORD];
     uint32_t        halves = 2 * (page_start(view, 0) - view->words[COMMON_WORD]);
+    vxs_result      r      = VXS_E_ARGUMENT;
     for (uint32_t padding = 0; padding < 2 && padding <= halves && r == VXS_E_ARGUMENT; padding++)
-        r = vxs_common_index(&common, patterns, view->common_kinds, view->common_count, pool, halves - padding);
-    common.packing = view->packing;
-    if (r == VXS_OK)
-        r = vxs_resident_encode(&resident, &known, view->words, page_start(view, 0), light->levels, vxs_map_count(light), &common);
-    if (r == VXS_OK) r = encode_pages(&pages, s, view, &known, &common);
-    if (r == VXS_OK && view->packing == VXS_PACKING_FAST) {
-        /* The bytes so far were needed to check that the resident part keeps every rule. */
-        vxs_resident_sizes sizes = {page_start(view, 0), view->words[PAGE_COUNT_WORD], known.node_count, view->common_count};
-        resident.size_bytes      = 0;
-        r                        = vxs_resident_pack(&resident, &sizes, view->words, view->common_kinds, s->zstd);
+        r = vxs_common_index(&l->pool, l->patterns, view->common_kinds, view->common_count, pool, halves - padding);
+    l->pool.packing = view->packing;
+    if (r != VXS_OK) return r;
+    if (view->packing == VXS_PACKING_FAST) {
+        if (!(l->marks.at = malloc((size_t)l->pool.half_count + 1))) return VXS_E_MEMORY;
+        vxs_common_mark(&l->marks, &l->pool);
     }
-    if (r == VXS_OK) r = vxs_add_stored(s, VXS_KIND_RESIDENT, number, &resident);
-    if (r == VXS_OK) r = vxs_add_stored(s, VXS_KIND_PAGES, number, &pages);
+    return vxs_resident_encode(&l->resident, &l->known, view->words, page_start(view, 0), light->light.levels,
+                               vxs_map_count(&light->light), &l->pool);
+}
 
-    free(known.nodes);
-    free(known.page_first);
-    free(patterns);
-    free(resident.data);
+static void end_light(vxs_encoded_light *l)
+{
+    for (uint32_t n = 0; n < l->page_count && l->pages; n++) free(l->pages[n].bytes.data);
+    free(l->pages);
+    free(l->patterns);
+    free(l->marks.at);
+    free(l->known.nodes);
+    free(l->known.page_first);
+    free(l->resident.data);
+    *l = (vxs_encoded_light){0};
+}
+
+vxs_result vxs_encode_blocks(vxs_encoded_light **out, const vxs_sections *s, const vxs_write_light *lights, uint32_t count)
+{
+    vxs_result   r = VXS_OK;
+    page_encoder e = {
+        .lights = *out = calloc(count, sizeof **out), .zstd_level = s->zstd_level, .pages = {.parallel = s->parallel}};
+    if (!e.lights) return VXS_E_MEMORY;
+    for (uint32_t n = 0; n < count && r == VXS_OK; n++) {
+        e.lights[n].first_page = e.pages.count;
+        if (lights[n].light.coding == VXS_CODING_BLOCKS) r = begin_light(&e.lights[n], &lights[n]);
+        e.pages.count += e.lights[n].page_count;
+    }
+    if (r == VXS_OK && e.pages.count) vxs_tasks_run(s->parallel, vxs_task_count(s->parallel, e.pages.count), encode_some_pages, &e);
+    return r;
+}
+
+void vxs_encoded_free(vxs_encoded_light *lights, uint32_t count)
+{
+    for (uint32_t n = 0; n < count && lights; n++) end_light(&lights[n]);
+    free(lights);
+}
+
+vxs_result vxs_write_blocks(vxs_sections *s, vxs_encoded_light *lights, uint32_t number)
+{
+    vxs_encoded_light *l     = &lights[number];
+    vxs_bytes          pages = {0};
+    vxs_result         r     = join_pages(&pages, l->view, l->pages, l->page_count);
+    if (r == VXS_OK && l->view->packing == VXS_PACKING_FAST) {
+        /* The bytes so far were needed to check that the resident part keeps every rule. */
+        vxs_resident_sizes sizes = {page_start(l->view, 0), l->page_count, l->known.node_count, l->view->common_count};
+        l->resident.size_bytes   = 0;
+        r                        = vxs_resident_pack(&l->resident, &sizes, l->view->words, l->view->common_kinds, s->zstd);
+    }
+    if (r == VXS_OK) r = vxs_add_stored(s, VXS_KIND_RESIDENT, number, &l->resident);
+    if (r == VXS_OK) r = vxs_add_stored(s, VXS_KIND_PAGES, number, &pages);
     free(pages.data);
+    end_light(l);
     return r;
 }

@@ -44,9 +44,21 @@ vxs_result vxs_write_dag(vxs_sections *s, const vxs_dag_view *view, uint32_t map
 
 /* vxs_write_blocks.c ----------------------------------------------------------------------------------------------------------- */
 
-/* Write the sections of light number `number`: resident part, then pages. Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT if
- * the words are not in canonical order, if the common patterns do not match them, or if the packing is unknown. */
-vxs_result vxs_write_blocks(vxs_sections *s, const vxs_blocks_view *view, const vxs_light *light, uint32_t number);
+/* What becomes the sections of a light. */
+typedef struct vxs_encoded_light vxs_encoded_light;
+
+/* Encode the lights of palette blocks, all pages side by side; lights of other codings are left out. Errors of pages are those of
+ * vxs_write_blocks.
+ * lights  borrowed until vxs_encoded_free
+ * out     [count], also on failure; NULL without memory
+ * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT if the words are not in canonical order, if the common patterns do not match them,
+ * or if the packing is unknown. */
+vxs_result vxs_encode_blocks(vxs_encoded_light **out, const vxs_sections *s, const vxs_write_light *lights, uint32_t count);
+void       vxs_encoded_free(vxs_encoded_light *lights, uint32_t count);
+
+/* Write the sections of light number `number`: resident part, then pages. What was encoded of it is released.
+ * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT as vxs_encode_blocks. */
+vxs_result vxs_write_blocks(vxs_sections *s, vxs_encoded_light *lights, uint32_t number);
 
 /* vxs_write_extras.c ------------------------------------------------------------------------------------------------------------ */
 

@@ -807,14 +807,20 @@ static const uint32_t thread_counts[] = {0, 1, 2, 3, 8, 1000};
 
 enum { THREAD_COUNTS = sizeof thread_counts / sizeof *thread_counts };
 
-/* The same bytes and words on any threads; tasks are as many as threads, pages and memory of their own allow. */
+/* The same bytes and words on any threads; tasks are as many as threads, pages and memory of their own allow. Pages of several
+ * lights, with a DAG between them and packed in either way, share the threads. */
 static void test_any_threads(void **state)
 {
     (void)state;
-    block_words     w     = words_of_pages();
-    vxs_write_light light = blocks_light(&w, 10, 1, "sun");
-    vxs_bytes       once  = file_of(&light, 1);
-    uint32_t        tasks = 0;
+    rng         r = {9};
+    dag_sample  of_dag;
+    block_words w = words_of_pages(), lamp = words_of_maps(6, 6, MAPS_SLOPE, 2);
+    dag_sample_init(&of_dag, &r, 5, 40);
+    vxs_write_light light    = blocks_light(&w, 10, 1, "sun");
+    vxs_write_light three[3] = {blocks_light(&lamp, 6, 6, "lamp"), dag_sample_light(&of_dag, "moon"), light};
+    three[0].blocks.packing  = packing == VXS_PACKING_FAST ? VXS_PACKING_SMALL : VXS_PACKING_FAST;
+    vxs_bytes once = file_of(&light, 1), once_three = file_of(three, 3);
+    uint32_t  tasks = 0;
     for (int n = 0; n < 2 * THREAD_COUNTS; n++) {
         vxs_parallel parallel = parallel_lent(thread_counts[n / 2]);
         if (n % 2) parallel = (vxs_parallel){.run = run_backwards, .user = &tasks, .threads = thread_counts[n / 2]};
@@ -831,9 +837,17 @@ static void test_any_threads(void **state)
         check_words(vxs_asset_light(asset, 0), &w);
         assert_int_equal(tasks, n % 2 && expected > 1 ? 2 * expected : 0);
         vxs_asset_close(asset);
+        write.lights      = three;
+        write.light_count = 3;
+        assert_int_equal(vxs_write(&file, &write), VXS_OK);
+        assert_int_equal(file.size_bytes, once_three.size_bytes);
+        assert_memory_equal(file.data, once_three.data, once_three.size_bytes);
         free(file.data);
     }
     free(once.data);
+    free(once_three.data);
+    dag_sample_free(&of_dag);
+    block_words_free(&lamp);
     block_words_free(&w);
 }
 
