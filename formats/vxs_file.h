@@ -170,7 +170,7 @@ typedef struct vxs_contents {
  *
  * Invalid bytes never abort, and never need more memory than the limit. The working memory of zstd (some 160 KiB) comes from
  * malloc and is not counted. Threads: no shared state. Threads of desc->parallel decode the pages of palette blocks; each
- * needs some 0.4 MiB within the limit (a third of that for pages packed fast). If there is less memory, fewer threads are
+ * needs some 0.6 MiB within the limit (0.15 MiB for pages packed fast). If there is less memory, fewer threads are
  * used. Allocator and findings are called only on the caller's thread. */
 vxs_result vxs_read(vxs_contents *contents, const void *bytes, size_t size_bytes, const vxs_read_desc *desc);
 

@@ -59,7 +59,7 @@ typedef struct vxs_common {
  * be used for any number of pages, one at a time, and needs no initialization or release. */
 typedef struct vxs_page_scratch vxs_page_scratch;
 
-/* Size of vxs_page_scratch, some 460 KiB. */
+/* Size of vxs_page_scratch, some 600 KiB. */
 size_t vxs_page_scratch_bytes(void);
 
 /* Number of words of the page that these bytes encode, 1..VXS_PAGE_WORDS_MAX; 0: too few bytes. */

@@ -19,7 +19,7 @@
  * time any number of threads may. Pages are read and decoded into memory that lookups do not read.
  *
  * **Memory.** A stream holds one block, allocated by open and never larger than the budget: bookkeeping, decoding memory of
- * threads (0.4 MiB each, 0.15 MiB where pages are packed fast), read buffers, and the words of lights and smoke. During open the
+ * threads (0.6 MiB each, 0.15 MiB where pages are packed fast), read buffers, and the words of lights and smoke. During open the
  * directory, metadata and points take more, also within the budget. Not counted are zstd contexts, about 160 KiB for each
  * decoding thread, and thread stacks. After open nothing is allocated.
  *
