@@ -12,6 +12,8 @@
 #include "formats/vxs_bytes.h"
 #include "formats/vxs_findings.h"
 #include "formats/vxs_write_file.h"
+#include "runtime/vxs.h"
+#include "tests/unit/alloc_fail.h"
 
 /* reading, and what was found -------------------------------------------------------------------------------------------------- */
 
@@ -244,6 +246,22 @@ static inline void refused_twice(const vxs_bytes *file, uint32_t kind)
     refused(&twice, 208);
     parts_free(&p);
     free(twice.data);
+}
+
+/* Opening the file fails at each allocation that fails, and gives all memory back. Returns what opening takes. */
+static inline alloc_fail opened_without_memory(const vxs_bytes *file)
+{
+    alloc_fail needed = {0};
+    vxs_asset *asset;
+    for (uint64_t at = 0; !at || at <= needed.calls; at++) {
+        alloc_fail    memory    = {.fail_at = at};
+        vxs_allocator allocator = alloc_fail_allocator(at ? &memory : &needed);
+        vxs_read_desc desc      = {.allocator = &allocator};
+        assert_int_equal(vxs_asset_open(&asset, file->data, file->size_bytes, &desc), at ? VXS_E_MEMORY : VXS_OK);
+        vxs_asset_close(asset);
+        assert_int_equal((at ? memory : needed).live_bytes + (at ? memory : needed).wrong_sizes, 0);
+    }
+    return needed;
 }
 
 #endif

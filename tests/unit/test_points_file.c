@@ -201,17 +201,9 @@ static void test_points_are_there_once(void **state)
 static void test_memory_is_bounded_and_given_back(void **state)
 {
     (void)state;
-    vxs_bytes  file   = file_of_points();
-    alloc_fail needed = {0};
+    vxs_bytes  file = file_of_points();
     vxs_asset *asset;
-    for (uint64_t at = 0; !at || at <= needed.calls; at++) {
-        alloc_fail    memory    = {.fail_at = at};
-        vxs_allocator allocator = alloc_fail_allocator(at ? &memory : &needed);
-        vxs_read_desc desc      = {.allocator = &allocator};
-        assert_int_equal(vxs_asset_open(&asset, file.data, file.size_bytes, &desc), at ? VXS_E_MEMORY : VXS_OK);
-        vxs_asset_close(asset);
-        assert_int_equal((at ? memory : needed).live_bytes + (at ? memory : needed).wrong_sizes, 0);
-    }
+    opened_without_memory(&file);
     vxs_read_desc desc = {.memory_limit_bytes = 3000};
     assert_int_equal(vxs_asset_open(&asset, file.data, file.size_bytes, &desc), VXS_E_MEMORY);
     free(file.data);
