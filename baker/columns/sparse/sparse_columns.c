@@ -19,7 +19,7 @@
  * the numbers of the patches; the position of the square and of its bins; the scale of depths. So the key stays the same when other
  * parts of the map change. Casters, position and name of the light count only as far as they change these triangles. */
 
-/* Fingerprints of the alpha masks of a map. Zero it. */
+/* What keys need. Zero it. */
 typedef struct sparse_keys {
     mask_fingerprint *masks; /* of the casters' alpha masks; NULL: not computed yet */
 } sparse_keys;
@@ -64,6 +64,33 @@ static vxs_result know_masks(sparse_keys *k, const casters *c)
     return VXS_OK;
 }
 
+/* ids  [count] of the triangles of a cell */
+static void hash_cell(XXH3_state_t *state, const sparse_keys *k, const sparse_triangles *s, const uint32_t *ids, uint64_t count)
+{
+    hashed_triangle some[HASHED_AT_ONCE];
+    size_t          held = 0;
+    XXH3_128bits_update(state, &count, sizeof count);
+    for (size_t n = 0; n < count; n++) {
+        const sparse_triangle *t    = &s->all[ids[n]];
+        const sparse_tags      tags = s->tags[ids[n]];
+        uint64_t               same = n && tags.patch == s->tags[ids[n - 1]].patch;
+
+        some[held++] = (hashed_triangle){.x     = {t->x[0], t->x[1], t->x[2]},
+                                         .y     = {t->y[0], t->y[1], t->y[2]},
+                                         .zmin  = t->zmin,
+                                         .zmax  = t->zmax,
+                                         .gx    = t->gx,
+                                         .gy    = t->gy,
+                                         .slack = t->slack,
+                                         .bits  = (uint64_t)tags.kind | (uint64_t)tags.ends << 8 | same << 16};
+        if (held < HASHED_AT_ONCE && n + 1 < count) continue;
+        XXH3_128bits_update(state, some, held * sizeof *some);
+        held = 0;
+    }
+    for (size_t n = 0; n < count; n++)
+        if (ids[n] >= s->holed_first) hash_holes(state, k, s, ids[n]);
+}
+
 /* Returns VXS_OK or VXS_E_MEMORY. */
 static vxs_result sparse_key(sparse_keys *k, const leaf_desc *d, const triangle_bins *bins, texel_square at, column_key *out)
 {
@@ -78,33 +105,8 @@ static vxs_result sparse_key(sparse_keys *k, const leaf_desc *d, const triangle_
     const double measures[] = {d->scale.voxel_log, d->dont_care.thickness, d->dont_care.behind != 0};
     XXH3_128bits_update(&state, measures, sizeof measures);
     for (uint32_t cell = 0; cell < cells * cells; cell++) {
-        const size_t           *first = bins->first + (size_t)(j + cell / cells) * bins->cells + i + cell % cells;
-        const sparse_triangles *s     = d->triangles;
-        const uint32_t         *ids   = bins->ids + first[0];
-        size_t                  count = first[1] - first[0];
-        hashed_triangle         some[HASHED_AT_ONCE];
-        size_t                  held    = 0;
-        uint64_t                of_cell = count;
-        XXH3_128bits_update(&state, &of_cell, sizeof of_cell);
-        for (size_t n = 0; n < count; n++) {
-            const sparse_triangle *t    = &s->all[ids[n]];
-            const sparse_tags      tags = s->tags[ids[n]];
-            uint64_t               same = n && tags.patch == s->tags[ids[n - 1]].patch;
-
-            some[held++] = (hashed_triangle){.x     = {t->x[0], t->x[1], t->x[2]},
-                                             .y     = {t->y[0], t->y[1], t->y[2]},
-                                             .zmin  = t->zmin,
-                                             .zmax  = t->zmax,
-                                             .gx    = t->gx,
-                                             .gy    = t->gy,
-                                             .slack = t->slack,
-                                             .bits  = (uint64_t)tags.kind | (uint64_t)tags.ends << 8 | same << 16};
-            if (held < HASHED_AT_ONCE && n + 1 < count) continue;
-            XXH3_128bits_update(&state, some, held * sizeof *some);
-            held = 0;
-        }
-        for (size_t n = 0; n < count; n++)
-            if (ids[n] >= s->holed_first) hash_holes(&state, k, s, ids[n]);
+        const size_t *first = bins->first + (size_t)(j + cell / cells) * bins->cells + i + cell % cells;
+        hash_cell(&state, k, d->triangles, bins->ids + first[0], first[1] - first[0]);
     }
     XXH128_hash_t hash = XXH3_128bits_digest(&state);
     *out               = (column_key){hash.low64, hash.high64};
