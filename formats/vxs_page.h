@@ -89,7 +89,7 @@ void                            vxs_page_encoder_free(vxs_page_encoder *e);
  * common  of its light
  * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT: the page is not in canonical order, or breaks a rule of the layout, so it
  * would not decode to the same words. This is checked on each page: the walk of the decoder makes the words a second time, and
- * each step of the entropy coder is undone. The runtime library does not contain this function. */
+ * each symbol has odds with which the entropy coder can be undone. The runtime library does not contain this function. */
 vxs_result vxs_page_encode(vxs_page_encoder *e, vxs_bytes *out, const uint32_t *words, uint32_t word_count,
                            const vxs_page_node *nodes, uint32_t node_count, const vxs_common *common);
 

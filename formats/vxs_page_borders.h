@@ -68,8 +68,8 @@ typedef struct walk {
     sheet   sheet_above[NODE_PX / TILE_PX], sheet_left[NODE_PX / TILE_PX], last_plane, last_private; /* of a block, of a pattern */
     uint8_t known_above[NODE_PX / TILE_PX], known_left[NODE_PX / TILE_PX]; /* kind of each of these sheets; NO_SHEET: it is old */
     const uint32_t *source;       /* [word_count] encoder only, like the next two: the page to code */
-    uint32_t       *pattern_rank; /* [2^18] by ref: rank in its list, + 1; 0: not in the list yet */
-    uint32_t       *block_rank;   /* [65536] by word */
+    uint16_t       *pattern_rank; /* [2^18] by ref: rank in its list, or any number if it is not there */
+    uint16_t       *block_rank;   /* [65536] by word */
     /* the last one in each row and column, + 1; 0: none yet */
     uint32_t        block_left[NODE_PX / BLOCK_PX], block_above[NODE_PX / BLOCK_PX];   /* words of blocks */
     uint32_t        private_left[NODE_PX / TILE_PX], private_above[NODE_PX / TILE_PX]; /* patterns of planes, by ref */

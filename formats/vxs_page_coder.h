@@ -180,26 +180,36 @@ static void nibble_start(nibble_odds *odds, const uint32_t weight[16], uint32_t 
 #error PAGE_ENCODING is not defined: 0 or 1
 #elif PAGE_ENCODING
 
-/* Symbols to code: the start and size of each in the odds. Coding begins when all are known, with the last one. */
+/* Symbols to code: where each begins and ends in the odds. Coding begins when all are known, with the last one. */
 typedef struct coder {
-    uint32_t *parts; /* from << 16 | size */
-    size_t    count, capacity;
+    uint32_t *parts, *at, *end; /* begin | end << 16; at: where the next one goes, always before `end` */
     int       no_memory;
 } coder;
 
-static void code_part(coder *c, uint32_t from, uint32_t size)
+/* 0: no memory. */
+static int coder_begin(coder *c)
 {
-    if (c->count == c->capacity) {
-        size_t    capacity = c->capacity ? 2 * c->capacity : 1 << 16;
-        uint32_t *grown    = realloc(c->parts, capacity * sizeof *grown);
-        if (!grown) {
-            c->no_memory = 1;
-            return;
-        }
-        c->parts    = grown;
-        c->capacity = capacity;
-    }
-    c->parts[c->count++] = from << 16 | size;
+    const size_t capacity = 1 << 16;
+    uint32_t    *parts    = malloc(capacity * sizeof *parts);
+    *c                    = parts ? (coder){parts, parts, parts + capacity, 0} : (coder){0};
+    return parts != NULL;
+}
+
+/* Make room. Without memory the last symbol is overwritten from then on. */
+static coder coder_grown(coder c)
+{
+    size_t    count = (size_t)(c.end - c.parts);
+    uint32_t *grown = realloc(c.parts, 2 * count * sizeof *grown);
+    if (grown) return (coder){grown, grown + count, grown + 2 * count, c.no_memory};
+    c.no_memory = 1;
+    c.at--;
+    return c;
+}
+
+PAGE_INLINE void code_part(coder *c, uint32_t begin, uint32_t end)
+{
+    *c->at++ = begin | end << 16;
+    if (c->at == c->end) *c = coder_grown(*c);
 }
 
 #else
@@ -231,11 +241,11 @@ PAGE_INLINE void decode_part(coder *c, uint32_t from, uint32_t size)
 /* Code symbol `value`; in the decoder, it is already known. The odds do not adapt yet. */
 PAGE_INLINE void code_symbol(coder *c, const nibble_odds *odds, uint32_t value)
 {
-    uint32_t from = odds->from[value], size = odds->from[value + 1] - from;
+    uint32_t from = odds->from[value], end = odds->from[value + 1];
 #if PAGE_ENCODING
-    code_part(c, from, size);
+    code_part(c, from, end);
 #else
-    decode_part(c, from, size);
+    decode_part(c, from, end - from);
 #endif
 }
 
@@ -294,7 +304,7 @@ PAGE_CALL uint32_t code_plain(coder *c, uint32_t bits, uint32_t value)
 {
     uint32_t shift = ODDS_BITS - bits;
 #if PAGE_ENCODING
-    code_part(c, value << shift, 1u << shift);
+    code_part(c, value << shift, (value + 1) << shift);
 #else
     value              = (c->now & (ODDS_ONE - 1)) >> shift;
     decode_part(c, value << shift, 1u << shift);

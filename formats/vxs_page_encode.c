@@ -15,62 +15,60 @@ static int reserve(vxs_bytes *b, size_t more)
     return 1;
 }
 
-/* What a decoder would not get back. */
-typedef struct coder_faults {
-    uint32_t states; /* bits in which its states differ */
-    uint32_t bounds; /* highest bit: another symbol, or a word too many or too few */
-} coder_faults;
-
 /* Put a symbol into a state. A state that is too large for it first gives a word, before `to`. Whether it does is unpredictable, so
- * there is no branch on it. */
-PAGE_INLINE uint32_t put_part(uint32_t state, uint32_t part, uint8_t **to, coder_faults *faults)
+ * there is no branch on it.
+ * wrong  [out] highest bit: the symbol has no odds, or some beyond all. Without this a decoder gets the state back: its quotient by
+ *        `size` is at least 2, as a state is at least 2 * size before and after the word; the remainder and `from` are below ODDS_ONE
+ *        together; and a state is below STATE_LEAST only after a word. */
+PAGE_INLINE uint32_t put_part(uint32_t state, uint32_t part, uint8_t **to, uint32_t *wrong)
 {
-    uint32_t from = part >> 16, size = part & 0xffff;
-    int      large = state >> 16 >= size << 1;
+    uint32_t from = part & 0xffff, size = (part >> 16) - from, large = state >> 16 >= size << 1;
     vxs_store16(*to - 2, (uint16_t)state);
-    *to -= large ? 2 : 0;
-    state        = large ? state >> 16 : state;
-    uint32_t now = (state / size << ODDS_BITS) + state % size + from, at = (now & (ODDS_ONE - 1)) - from;
-    faults->states |= (size * (now >> ODDS_BITS) + at) ^ state;
-    faults->bounds |= (size - 1 - at) | ((now >> 16) - 1);
-    return now;
+    *to -= 2 * large;
+    state >>= 16 * large;
+    *wrong |= (size - 1) | (ODDS_ONE - (part >> 16));
+    /* exact, as state < size << 17 and size <= ODDS_ONE; the long division does not wait for the state */
+    uint32_t quotient = (uint32_t)(state * (((uint64_t)1 << 47) / (size ? size : 1) + 1) >> 47);
+    return quotient * (ODDS_ONE - size) + state + from;
 }
 
 /* Append the coded words and the two states. Symbols use the two states alternately. The last symbol is coded first, so that
  * the decoder gets the first symbol first. The words take the place of the symbols, from the end: a word is shorter than a symbol.
- * Each step is undone at once, as the decoder does it. So a fault of the coder is found here, and no page with it is written.
- * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT after such a fault. */
+ * Returns VXS_OK; VXS_E_MEMORY; VXS_E_ARGUMENT after a fault of the odds. */
 static vxs_result append_coded(vxs_bytes *out, const coder *c)
 {
-    uint8_t     *end = (uint8_t *)(c->parts + c->count), *to = end;
-    uint32_t     even = STATE_LEAST, odd = STATE_LEAST;
-    coder_faults faults = {0, 0};
-    size_t       n      = c->count;
-    if (n & 1) even = put_part(even, c->parts[--n], &to, &faults);
-    while (n) {
-        odd  = put_part(odd, c->parts[--n], &to, &faults);
-        even = put_part(even, c->parts[--n], &to, &faults);
+    uint8_t  *end = (uint8_t *)c->at, *to = end;
+    uint32_t *first = c->parts, *at = c->at, even = STATE_LEAST, odd = STATE_LEAST, wrong = 0;
+    if ((at - first) & 1) even = put_part(even, *--at, &to, &wrong);
+    while (at > first) {
+        odd  = put_part(odd, *--at, &to, &wrong);
+        even = put_part(even, *--at, &to, &wrong);
     }
     size_t size_bytes = (size_t)(end - to);
-    if (faults.states || faults.bounds >> 31) return VXS_E_ARGUMENT;
+    if (wrong >> 31) return VXS_E_ARGUMENT;
     if (!reserve(out, size_bytes + 8)) return VXS_E_MEMORY;
-    uint8_t *at = out->data + out->size_bytes;
-    if (size_bytes) memcpy(at, to, size_bytes);
-    vxs_store32(at + size_bytes, even);
-    vxs_store32(at + size_bytes + 4, odd);
+    if (size_bytes) memcpy(out->data + out->size_bytes, to, size_bytes);
     out->size_bytes += size_bytes + 8;
+    vxs_store32(out->data + out->size_bytes - 8, even);
+    vxs_store32(out->data + out->size_bytes - 4, odd);
     return VXS_OK;
 }
 
 struct vxs_page_encoder {
     vxs_page_scratch scratch;
-    uint32_t         words[VXS_PAGE_WORDS_MAX], pattern_rank[1 << 18], block_rank[VXS_PAGE_WORDS_MAX];
+    uint32_t         words[VXS_PAGE_WORDS_MAX];
+    uint16_t         pattern_rank[1 << 18], block_rank[VXS_PAGE_WORDS_MAX];
     coder            symbols; /* grow with pages */
 };
 
 vxs_page_encoder *vxs_page_encoder_new(void)
 {
-    return calloc(1, sizeof(vxs_page_encoder));
+    vxs_page_encoder *e = calloc(1, sizeof *e);
+    if (e && !coder_begin(&e->symbols)) {
+        free(e);
+        return NULL;
+    }
+    return e;
 }
 
 void vxs_page_encoder_free(vxs_page_encoder *e)
@@ -79,20 +77,11 @@ void vxs_page_encoder_free(vxs_page_encoder *e)
     free(e);
 }
 
-/* Only the ranks of what a page can name: a page that names others is refused, whatever their ranks are. */
-static void forget_ranks(vxs_page_encoder *e, uint32_t word_count, const vxs_common *common)
-{
-    const uint32_t halves = common->half_count < VXS_COMMON_HALVES_MAX ? common->half_count : VXS_COMMON_HALVES_MAX;
-    memset(e->pattern_rank, 0, 2 * word_count * sizeof *e->pattern_rank);
-    memset(e->pattern_rank + REF_COMMON, 0, halves * sizeof *e->pattern_rank);
-    memset(e->block_rank, 0, word_count * sizeof *e->block_rank);
-}
-
 vxs_result vxs_page_encode(vxs_page_encoder *e, vxs_bytes *out, const uint32_t *words, uint32_t word_count,
                            const vxs_page_node *nodes, uint32_t node_count, const vxs_common *common)
 {
     if (!node_count || !word_count || word_count > VXS_PAGE_WORDS_MAX) return VXS_E_ARGUMENT;
-    walk   w      = {.c            = {.parts = e->symbols.parts, .capacity = e->symbols.capacity},
+    walk   w      = {.c            = {.parts = e->symbols.parts, .at = e->symbols.parts, .end = e->symbols.end},
                      .odds         = &e->scratch.odds,
                      .s            = &e->scratch,
                      .words        = e->words,
@@ -104,7 +93,6 @@ vxs_result vxs_page_encode(vxs_page_encoder *e, vxs_bytes *out, const uint32_t *
                      .block_rank   = e->block_rank};
     size_t before = out->size_bytes;
     memset(e->words, 0, word_count * sizeof *e->words);
-    forget_ranks(e, word_count, common);
     int same   = w.node_words && code_page(&w, nodes, node_count) && !memcmp(e->words, words, word_count * sizeof *words);
     e->symbols = w.c;
     if (w.c.no_memory || (same && !reserve(out, 4))) return VXS_E_MEMORY;
@@ -136,7 +124,7 @@ vxs_result vxs_resident_encode(vxs_bytes *out, vxs_page_nodes *nodes, const uint
     r.page_first      = malloc((r.page_count + 1) * sizeof *r.page_first);
     r.patterns        = malloc((r.pattern_count + 1) * sizeof *r.patterns);
     vxs_result result = VXS_E_MEMORY;
-    if (r.w.s && r.w.words && r.nodes && r.page_first && r.patterns && reserve(out, 16)) {
+    if (coder_begin(&r.w.c) && r.w.s && r.w.words && r.nodes && r.page_first && r.patterns && reserve(out, 16)) {
         r.w.odds = &r.w.s->odds;
         int same = code_resident(&r, common);
         for (uint32_t n = 0; n < word_count; n++)

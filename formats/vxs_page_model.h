@@ -231,7 +231,8 @@ enum { BLOCK_NEW, BLOCK_LISTED, BLOCK_LEFT, BLOCK_ABOVE };
 /* Encoder only. */
 static uint32_t find_block(const walk *w, uint32_t ref, uint32_t left, uint32_t above)
 {
-    if (!w->block_rank[ref]) return BLOCK_NEW;
+    uint32_t rank = w->block_rank[ref];
+    if (rank >= w->listed[LIST_OF_BLOCKS] || *list_at(w, LIST_OF_BLOCKS, rank) != ref) return BLOCK_NEW;
     return left == ref + 1 ? BLOCK_LEFT : above == ref + 1 ? BLOCK_ABOVE : BLOCK_LISTED;
 }
 
@@ -248,7 +249,7 @@ static uint32_t code_met_block(walk *w, uint32_t found, uint32_t place, uint32_t
 static int code_block_of(walk *w, int wide, uint32_t x0, uint32_t y0, uint32_t *ref, uint32_t *base)
 {
     uint32_t *left = &w->block_left[y0 / BLOCK_PX], *above = &w->block_above[x0 / BLOCK_PX], word = w->word;
-    uint32_t  found = PAGE_ENCODING ? find_block(w, *ref, *left, *above) : 0, place = PAGE_ENCODING ? w->block_rank[*ref] - 1 : 0;
+    uint32_t  found = PAGE_ENCODING ? find_block(w, *ref, *left, *above) : 0, place = PAGE_ENCODING ? w->block_rank[*ref] : 0;
     block     b = {.from = *ref, .word = word};
     found       = code_nibble(&w->c, &w->odds->block_found[likeness(*left, *above, 0)], found);
     if (found != BLOCK_NEW) {

@@ -6,36 +6,39 @@
 
 #include "vxs_page_borders.h"
 
-/* Indices of a pattern of `depths` depths; `half` is where its states, or its image, start. The caller has checked that the
- * pattern is complete.
- * index  [64] quadrant by quadrant */
-static void read_pattern(const uint32_t *words, uint32_t half, uint32_t depths, uint8_t *index)
+/* Eight bits to eight bytes of 0 or 1. */
+PAGE_INLINE uint64_t bytes_of_bits(uint32_t bits)
 {
-    if (get_byte(words, 2 * half) == 0xff) {
-        for (uint32_t z = 0; z < 64; z++) index[z] = get_byte(words, 2 * half + 2 + (z & 31)) >> (z >> 5) * 4 & 15;
-        return;
-    }
-    uint32_t own = half + depths / 2;
-    memset(index, 0, 64);
-    for (uint32_t c = 0; c < 4; c++) {
-        uint32_t last = 0;
-        for (uint32_t n = 0; n + 1 < depths; n++) {
-            uint32_t state = get_byte(words, 2 * half + n) >> 2 * c & 3;
-            if (state == 2) last = get_half(words, own++);
-            uint32_t mask = state < 2 ? 0 - state : last;
-            for (uint32_t z = 0; z < 16; z++) index[16 * c + z] += !(mask >> z & 1);
-        }
-    }
+    uint64_t low = bits & 15, high = bits >> 4;
+    return (low * 0x00204081 & 0x01010101) | (high * 0x00204081 & 0x01010101) << 32;
 }
 
-/* Indices of an unchecked pattern of the source. 0: invalid. */
+/* Indices of an unchecked pattern of the source, quadrant by quadrant. 0: invalid.   half  where its states, or its image, start */
 static int read_source(const walk *w, uint32_t half, uint32_t depths, uint8_t *index)
 {
-    uint32_t copy[(DEPTHS_MAX / 2 + 4 * DEPTHS_MAX) / 2] = {0}, none = 0;
-    for (uint32_t n = 0; n < DEPTHS_MAX / 2 + 4 * DEPTHS_MAX; n++) put_half(copy, n, source_half(w, half + n));
-    read_pattern(copy, 0, depths, index);
-    for (uint32_t z = 0; z < 64; z++) none |= index[z] >= depths;
-    return !none;
+    uint32_t own = half + depths / 2, none = 0;
+    if ((source_half(w, half) & 0xff) == 0xff) {
+        for (uint32_t z = 0; z < 64; z++) {
+            uint32_t byte = 2 + (z & 31);
+            index[z]      = source_half(w, half + byte / 2) >> (8 * (byte & 1) + (z >> 5) * 4) & 15;
+            none |= index[z] >= depths;
+        }
+        return !none;
+    }
+    for (uint32_t c = 0; c < 4; c++) {
+        uint32_t last = 0;
+        uint64_t low = 0, high = 0;
+        for (uint32_t n = 0; n + 1 < depths; n++) {
+            uint32_t state = source_half(w, half + n / 2) >> (8 * (n & 1) + 2 * c) & 3;
+            if (state == 2) last = source_half(w, own++);
+            uint32_t beyond = ~(state < 2 ? 0 - state : last); /* texels of a later depth */
+            low += bytes_of_bits(beyond & 255);
+            high += bytes_of_bits(beyond >> 8 & 255);
+        }
+        vxs_store64(index + 16 * c, low);
+        vxs_store64(index + 16 * c + 8, high);
+    }
+    return 1;
 }
 
 /* Four bits to four nibbles of 0 or 1. */
@@ -72,7 +75,7 @@ static uint64_t border_of_image(const uint32_t *words, uint32_t byte)
     return row | (uint64_t)column << 32;
 }
 
-/* Indices in the last row (low half) and the last column of a valid pattern, a nibble each, as from read_pattern. There are
+/* Indices in the last row (low half) and the last column of a valid pattern, a nibble each, as from read_source. There are
  * no branches on states, because they are hard to predict. */
 static uint64_t border_of(const uint32_t *words, uint32_t half, uint32_t depths)
 {
@@ -226,13 +229,6 @@ PAGE_INLINE uint32_t code_other(coder *c, nibble_odds odds[5][3], nibble_odds *f
     if (symbol == 15) return code_nibble_here(c, far, value);
     uint32_t odd = 0 - (symbol & 1), step = N + ((symbol >> 1) ^ odd) - odd, beside = W ^ ((W ^ NE) & odd);
     return step ^ ((step ^ beside) & (0 - (uint32_t)(symbol < 2)));
-}
-
-/* Eight bits to eight bytes of 0 or 1. */
-PAGE_INLINE uint64_t bytes_of_bits(uint32_t bits)
-{
-    uint64_t low = bits & 15, high = bits >> 4;
-    return (low * 0x00204081 & 0x01010101) | (high * 0x00204081 & 0x01010101) << 32;
 }
 
 /* The indices of the texels of a pattern, row by row: first which texels differ from the one above, four per nibble, then

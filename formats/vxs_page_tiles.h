@@ -24,7 +24,7 @@ PAGE_INLINE uint16_t *list_at(const walk *w, uint32_t list, uint32_t rank)
 PAGE_INLINE void list_set(walk *w, uint32_t list, uint32_t rank, uint32_t word)
 {
     *list_at(w, list, rank) = (uint16_t)word;
-    if (PAGE_ENCODING) *(list == LIST_OF_BLOCKS ? &w->block_rank[word] : &w->pattern_rank[w->words[word] >> 14]) = rank + 1;
+    if (PAGE_ENCODING) *(list == LIST_OF_BLOCKS ? &w->block_rank[word] : &w->pattern_rank[w->words[word] >> 14]) = (uint16_t)rank;
 }
 
 /* There is always room: see above. */
@@ -55,7 +55,7 @@ static void add_pattern(walk *w, uint32_t kind, uint32_t ref)
 static uint32_t find_pattern(const walk *w, uint32_t kind, uint32_t ref)
 {
     uint32_t rank = w->pattern_rank[ref];
-    if (rank && rank <= w->listed[kind] && w->words[*list_at(w, kind, rank - 1)] >> 14 == ref) return rank + 1;
+    if (rank < w->listed[kind] && w->words[*list_at(w, kind, rank)] >> 14 == ref) return rank + 2;
     return ref & REF_COMMON ? 1 : 0;
 }
 
