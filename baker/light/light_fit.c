@@ -214,12 +214,17 @@ static void extend_some(void *user, size_t begin, size_t end, uint32_t worker)
     x->extents[worker] = b;
 }
 
-static box extent_of(const casters *c, double axes[3][3], uint32_t threads)
+/* Of the region, or of all casters. */
+static box extent_of(const casters *c, const light_fit_desc *desc, double axes[3][3])
 {
-    box      extents[PARALLEL_THREADS_MAX], all = box_empty();
-    extender x = {c, axes, extents};
+    box           extents[PARALLEL_THREADS_MAX], all = box_empty();
+    extender      x = {c, axes, extents};
+    const double *b = desc->region_ws;
+    for (int corner = 0; corner < 8 && b; corner++)
+        extend_along(&all, axes, (double[3]){b[corner & 1 ? 3 : 0], b[corner & 2 ? 4 : 1], b[corner & 4 ? 5 : 2]});
+    if (b) return all;
     for (int n = 0; n < PARALLEL_THREADS_MAX; n++) extents[n] = box_empty();
-    parallel_for(threads, c->vertex_count, VERTICES_AT_ONCE, extend_some, &x);
+    parallel_for(desc->threads, c->vertex_count, VERTICES_AT_ONCE, extend_some, &x);
     for (int n = 0; n < PARALLEL_THREADS_MAX; n++) {
         if (!(extents[n].min[0] <= extents[n].max[0])) continue; /* a thread without vertices */
         box_add(&all, extents[n].min);
@@ -228,18 +233,24 @@ static box extent_of(const casters *c, double axes[3][3], uint32_t threads)
     return all;
 }
 
+/* Set the rows of ls_from_ws: casters centred in u and v, one voxel behind the near plane. Returns the determinant. */
+static double set_transform(vxs_light *light, const box *extent, double axes[3][3])
+{
+    double side = ldexp(1, (int)light->levels), determinant = 1;
+    for (int row = 0; row < 3; row++) {
+        double unit   = row < 2 ? light->texel_metres : light->voxel_metres;
+        double before = row < 2 ? (side - (extent->max[row] - extent->min[row]) / unit) / 2 : 1;
+        for (int n = 0; n < 3; n++) light->ls_from_ws[row * 4 + n] = axes[row][n] / unit;
+        light->ls_from_ws[row * 4 + 3] = before - extent->min[row] / unit;
+        determinant /= unit;
+    }
+    return determinant;
+}
+
 static vxs_result sun_fit(vxs_light *light, const casters *c, const light_fit_desc *desc, double axes[3][3], run_context *m)
 {
-    box    extent = box_empty();
+    box    extent = extent_of(c, desc, axes);
     double length[3];
-    if (desc->region_ws)
-        for (int corner = 0; corner < 8; corner++) {
-            const double *b = desc->region_ws;
-            extend_along(&extent, axes, (double[3]){b[corner & 1 ? 3 : 0], b[corner & 2 ? 4 : 1], b[corner & 4 ? 5 : 2]});
-        }
-    else
-        extent = extent_of(c, axes, desc->threads);
-
     vec3_sub(extent.max, extent.min, length);
     double   width = fmax(length[0], length[1]), depth = length[2];
     uint32_t side  = desc->resolution;
@@ -271,16 +282,7 @@ static vxs_result sun_fit(vxs_light *light, const casters *c, const light_fit_de
     light->texel_metres = texel;
     light->voxel_metres = voxel;
 
-    /* rows of ls_from_ws: casters centred in u and v, one voxel behind the near plane */
-    double determinant = 1;
-    for (int row = 0; row < 3; row++) {
-        double unit   = row < 2 ? texel : voxel;
-        double before = row < 2 ? (side - length[row] / texel) / 2 : 1;
-        for (int n = 0; n < 3; n++) light->ls_from_ws[row * 4 + n] = axes[row][n] / unit;
-        light->ls_from_ws[row * 4 + 3] = before - extent.min[row] / unit;
-        determinant /= unit;
-    }
-    /* the format requires an invertible transform */
+    double determinant = set_transform(light, &extent, axes); /* the format requires an invertible transform */
     if (!isfinite(determinant) || determinant == 0)
         return fail(m, VXS_E_ARGUMENT, "%s spans %g x %g m seen from light '%s': no map can be fitted to it",
                     desc->region_ws ? "--region" : "the scene", width, depth, desc->name);
