@@ -11,7 +11,7 @@ static size_t aligned(size_t size_bytes)
     return (size_bytes + 7) & ~(size_t)7;
 }
 
-uint64_t intern_ask(const intern *t, const void *thing, size_t size_bytes)
+uint64_t intern_prefetch(const intern *t, const void *thing, size_t size_bytes)
 {
     uint64_t hash = XXH64(thing, size_bytes, 0);
     if (t->table.capacity) __builtin_prefetch(&t->table.slots[ref_table_first(&t->table, hash)]);
@@ -20,10 +20,10 @@ uint64_t intern_ask(const intern *t, const void *thing, size_t size_bytes)
 
 vxs_result intern_find(intern *t, const void *thing, size_t size_bytes, uint32_t *number)
 {
-    return intern_find_asked(t, XXH64(thing, size_bytes, 0), thing, size_bytes, number);
+    return intern_find_prefetched(t, XXH64(thing, size_bytes, 0), thing, size_bytes, number);
 }
 
-vxs_result intern_find_asked(intern *t, uint64_t hash, const void *thing, size_t size_bytes, uint32_t *number)
+vxs_result intern_find_prefetched(intern *t, uint64_t hash, const void *thing, size_t size_bytes, uint32_t *number)
 {
     uint64_t at;
     uint32_t ref;

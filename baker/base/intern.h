@@ -20,11 +20,11 @@ typedef struct intern {
 /* Number of a thing, [0, count): that of an equal thing, or a new one. Returns VXS_OK, VXS_E_MEMORY, VXS_E_REFERENCES. */
 vxs_result intern_find(intern *t, const void *thing, size_t size_bytes, uint32_t *number);
 
-/* The same in two steps, for many things: intern_ask prefetches what intern_find_asked needs, so that other work can be done
+/* The same in two steps: intern_prefetch requests the memory that intern_find_prefetched reads, so that other work can be done
  * meanwhile.
  * Returns the hash. */
-uint64_t   intern_ask(const intern *t, const void *thing, size_t size_bytes);
-vxs_result intern_find_asked(intern *t, uint64_t hash, const void *thing, size_t size_bytes, uint32_t *number);
+uint64_t   intern_prefetch(const intern *t, const void *thing, size_t size_bytes);
+vxs_result intern_find_prefetched(intern *t, uint64_t hash, const void *thing, size_t size_bytes, uint32_t *number);
 
 static inline void *intern_at(const intern *t, uint32_t number)
 {

@@ -224,13 +224,14 @@ static vxs_result merge_blocks(block_set *s, block_set *from, const new_ids *ids
         run_control_wait_each(BETWEEN_PASSES, n);
         if (n >= AHEAD) {
             const uint32_t found = (uint32_t)(n - AHEAD);
-            vxs_result     r     = intern_find_asked(&s->blocks, hash[n % AHEAD], intern_at(&from->blocks, found),
-                                                     intern_size(&from->blocks, found), &block_ids[found]);
+            vxs_result     r     = intern_find_prefetched(&s->blocks, hash[n % AHEAD], intern_at(&from->blocks, found),
+                                                          intern_size(&from->blocks, found), &block_ids[found]);
             if (r != VXS_OK) return r;
         }
         if (n >= count) continue;
         block_renumber(intern_at(&from->blocks, (uint32_t)n), ids->pattern, ids->privates, ids->private_base);
-        hash[n % AHEAD] = intern_ask(&s->blocks, intern_at(&from->blocks, (uint32_t)n), intern_size(&from->blocks, (uint32_t)n));
+        hash[n % AHEAD] =
+            intern_prefetch(&s->blocks, intern_at(&from->blocks, (uint32_t)n), intern_size(&from->blocks, (uint32_t)n));
     }
     return VXS_OK;
 }

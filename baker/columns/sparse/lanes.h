@@ -51,18 +51,6 @@ static inline i64s i64s_all(int64_t value)
     return value - (i64s){0};
 }
 
-/* first, first + step, and so on. */
-static inline f64s f64s_ramp(double first, double step)
-{
-#if LANES == 8
-    return first + step * (f64s){0, 1, 2, 3, 4, 5, 6, 7};
-#elif LANES == 4
-    return first + step * (f64s){0, 1, 2, 3};
-#else
-    return first + step * (f64s){0, 1};
-#endif
-}
-
 /* A vector of of(0), of(1), and so on. */
 #if LANES == 8
 #define EACH_LANE(of)                                                                                                              \
