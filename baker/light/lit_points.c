@@ -164,18 +164,20 @@ static int point_of_punctual(lit_point *out, const lit_points_desc *d, const map
     return light_reaches_by(d->shape, cosine, out->at_ws);
 }
 
-size_t lit_points_choose(lit_point *points, size_t count, const lit_points_desc *d)
+static int is_sun(const lit_points_desc *d)
 {
-    candidates k     = {0};
-    size_t     found = 0;
-    int        sun   = d->shape->kind == LIGHT_DIRECTIONAL;
-    map_sides  sides = map_sides_of(d->light, sun ? 0 : slope_of(d) / d->light->texel_metres - ldexp(0.5, (int)d->light->levels));
+    return d->shape->kind == LIGHT_DIRECTIONAL;
+}
 
-    uint8_t *touched = malloc(runs_of(d) + 1);
-    double   cosine = portable_cos(d->shape->outer_rad), sine = portable_sin(d->shape->outer_rad);
-    size_t   step = 1;
+/* The casters that the light may reach; none without memory. */
+static candidates candidates_of(const lit_points_desc *d)
+{
+    candidates k       = {0};
+    uint8_t   *touched = malloc(runs_of(d) + 1);
+    double     cosine = portable_cos(d->shape->outer_rad), sine = portable_sin(d->shape->outer_rad);
+    size_t     step = 1;
     for (size_t run = 0; touched && run < runs_of(d); run++) {
-        touched[run] = (uint8_t)(sun || !d->c->runs || touches(d->shape, cosine, sine, &d->c->runs[run]));
+        touched[run] = (uint8_t)(is_sun(d) || !d->c->runs || touches(d->shape, cosine, sine, &d->c->runs[run]));
         k.count += touched[run] ? end_of_run(d, run) - run * CASTERS_RUN : 0; /* fewer if an object is left out */
     }
     if (d->triangles_max && k.count > d->triangles_max) step = (k.count + d->triangles_max - 1) / d->triangles_max;
@@ -183,9 +185,27 @@ size_t lit_points_choose(lit_point *points, size_t count, const lit_points_desc 
     k.area_to   = malloc((k.count / step + 1) * sizeof *k.area_to);
     k.count     = touched && k.triangles && k.area_to ? take(&k, d, touched, step) : 0;
     free(touched);
-    if (!(k.count && k.area_to[k.count - 1] > 0)) goto done;
+    return k;
+}
 
-    for (size_t n = 0; n < count; n++) {
+static void point_of_sun(lit_point *out, const lit_points_desc *d, size_t t, rng *random)
+{
+    map_polygon triangle = {.count = 3};
+    for (size_t i = 0; i < 3; i++) memcpy(triangle.corners[i].at, corner_of(d->c, t, i), sizeof triangle.corners[i].at);
+    out->weight       = polygon_area(&triangle);
+    out->along_metres = 0;
+    point_in(&triangle, out->weight, random, out->at_ws);
+}
+
+size_t lit_points_choose(lit_point *points, size_t count, const lit_points_desc *d)
+{
+    candidates   k      = candidates_of(d);
+    size_t       found  = 0;
+    const int    sun    = is_sun(d);
+    const double cosine = portable_cos(d->shape->outer_rad);
+    map_sides    sides = map_sides_of(d->light, sun ? 0 : slope_of(d) / d->light->texel_metres - ldexp(0.5, (int)d->light->levels));
+    if (k.count && !(k.area_to[k.count - 1] > 0)) k.count = 0;
+    for (size_t n = 0; n < count && k.count; n++) {
         rng        random = rng_split(SEED, n);
         double     share  = ((double)(n / 2) + rng_unit(&random)) / (double)((count + 1) / 2);
         size_t     chosen = n % 2 ? (size_t)(share * (double)k.count) : candidate_at(&k, share);
@@ -194,21 +214,13 @@ size_t lit_points_choose(lit_point *points, size_t count, const lit_points_desc 
         double     likely = 0.5 * area / k.area_to[k.count - 1] + 0.5 / (double)k.count;
         lit_point *p      = &points[found];
         p->triangle       = k.triangles[at];
-        if (sun) {
-            const casters *c        = d->c;
-            size_t         t        = p->triangle;
-            map_polygon    triangle = {.count = 3};
-            for (size_t i = 0; i < 3; i++)
-                for (int axis = 0; axis < 3; axis++) triangle.corners[i].at[axis] = corner_of(c, t, i)[axis];
-            p->weight       = polygon_area(&triangle);
-            p->along_metres = 0;
-            point_in(&triangle, p->weight, &random, p->at_ws);
-        } else if (!point_of_punctual(p, d, &sides, cosine, p->triangle, &random))
+        if (sun)
+            point_of_sun(p, d, p->triangle, &random);
+        else if (!point_of_punctual(p, d, &sides, cosine, p->triangle, &random))
             continue;
         p->weight /= likely * (double)count;
         found++;
     }
-done:
     free(k.triangles);
     free(k.area_to);
     return found;
