@@ -66,7 +66,7 @@ typedef struct walk {
     int16_t           corner;           /* beside the current block or tile: above[x0 - 1] before the one on its left was drawn */
     int32_t           slope_x, slope_y; /* of the last node */
     sheet   sheet_above[NODE_PX / TILE_PX], sheet_left[NODE_PX / TILE_PX], last_plane, last_private; /* of a block, of a pattern */
-    uint8_t known_above[NODE_PX / TILE_PX], known_left[NODE_PX / TILE_PX]; /* kind of each of these sheets; NO_SHEET: it is old */
+    uint8_t known_above[NODE_PX / TILE_PX], known_left[NODE_PX / TILE_PX]; /* kinds of these sheets; NO_SHEET: an old one */
     const uint32_t *source;       /* [word_count] encoder only, like the next two: the page to code */
     uint16_t       *pattern_rank; /* [2^18] by ref: rank in its list, or any number if it is not there */
     uint16_t       *block_rank;   /* [65536] by word */
@@ -117,7 +117,7 @@ PAGE_INLINE uint32_t changes_along(const int16_t *p)
 {
     uint32_t count = 0;
 #ifdef PAGE_SSE2
-    __m128i same = _mm_setzero_si128(); /* of each lane, how often it is as the next one, negative; the last one counts as such */
+    __m128i same = _mm_setzero_si128(); /* in each lane, minus the depths that equal the next one; the last depth counts */
     for (uint32_t n = 0; n < BLOCK_PX; n += 8) {
         __m128i eight = _mm_loadu_si128((const __m128i *)(p + n));
         __m128i next  = n + 8 < BLOCK_PX ? _mm_loadu_si128((const __m128i *)(p + n + 1))

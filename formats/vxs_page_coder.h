@@ -107,7 +107,7 @@ PAGE_INLINE uint32_t nibble_number(nibble behind)
 
 PAGE_INLINE __m128i shift_right(__m128i x, uint32_t bits)
 {
-#ifdef __wasm_simd128__ /* one instruction; what takes the place of SSE2 there is several */
+#ifdef __wasm_simd128__ /* one instruction; emulated SSE2 takes several */
     return (__m128i)wasm_i16x8_shr((v128_t)x, bits);
 #else
     return _mm_sra_epi16(x, _mm_cvtsi32_si128((int)bits));
