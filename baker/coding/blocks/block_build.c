@@ -13,7 +13,7 @@
 
 enum {
     ALL_TILES     = (1 << BLOCK_TILES) - 1,
-    MASK_FROM     = 6, /* a tile that needs fewer depths gets no two planes with a mask */
+    MASK_FROM     = 4, /* a tile that needs fewer depths gets no two planes with a mask */
     SLANTED_TILES = 4, /* tiles on planes in a slanted block */
     NO_ENTRY      = 0xff,
     PALETTE_LANES = 16,         /* room for a palette in whole vectors */
@@ -23,7 +23,7 @@ enum {
 
 /* A tile that needs this many depths gets two planes, if it is on two: [fine pages][slanted block]. Fine pages repeat patterns for
  * little: there, planes of few depths cost time and save no bytes. */
-static const uint8_t pair_from_of[2][2] = {{6, 4}, {PRIVATE_FROM, 6}};
+static const uint8_t pair_from_of[2][2] = {{6, 3}, {PRIVATE_FROM, 6}};
 
 /* tiles ----------------------------------------------------------------------------------------------------------------------- */
 
@@ -81,8 +81,7 @@ CPU_TARGET_AVX2 static tile_ends take_columns_avx2(tile_in *t, const column_tile
 
 #endif
 
-/* Fetch the columns of tile n of the block, and add the slope. */
-static vxs_result fetch_tile(node_builder *b, uint32_t n, uint32_t tile_x, uint32_t tile_y)
+vxs_result block_fetch_tile(node_builder *b, uint32_t n, uint32_t tile_x, uint32_t tile_y)
 {
     column_tile columns;
     tile_in    *t       = &b->tile[n];
@@ -120,7 +119,7 @@ static vxs_result fetch_block(node_builder *b, uint32_t block_x, uint32_t block_
     }
     for (uint32_t rest = mixed; rest; rest &= rest - 1) {
         uint32_t   n = (uint32_t)__builtin_ctz(rest);
-        vxs_result r = fetch_tile(b, n, 4 * block_x + n % 4, 4 * block_y + n / 4);
+        vxs_result r = block_fetch_tile(b, n, 4 * block_x + n % 4, 4 * block_y + n / 4);
         if (r != VXS_OK) return r;
         uniform |= (uint32_t)(b->tile_emax[n] <= b->tile_xmin[n]) << n; /* its bounds were loose */
     }
@@ -199,9 +198,9 @@ static int needs_few(const node_builder *b, uint32_t tile, const stab_group *gro
 }
 
 /* Fit two planes to a tile, if these are likely to take less than its pattern and its part of the palette. Returns 0 if not. */
-static int fit_pair(tile_in *t)
+static int fit_pair(tile_in *t, int thorough)
 {
-    private_plane_pair(&t->plane, &t->ranges);
+    private_plane_pair(&t->plane, &t->ranges, thorough);
     if (t->plane.count > PRIVATE_PAIR_HALVES && t->depths < MASK_FROM) t->plane.count = 0;
     return t->plane.count != 0;
 }
@@ -221,7 +220,8 @@ static int give_private_depths(node_builder *b, const stab_group *groups, int co
         add_tile(&s, &b->tile[n]);
         b->tile[n].depths = minimum_stabbing_set(&s, of_tile, PRIVATE_FROM, b->set->patterns.cpu);
         int depths        = b->tile[n].depths;
-        many |= (uint32_t)(depths >= PRIVATE_FROM || (depths >= pair_from && fit_pair(&b->tile[n]))) << n;
+        many |= (uint32_t)(depths >= PRIVATE_FROM || (depths >= pair_from && fit_pair(&b->tile[n], b->set->privates.thorough)))
+                << n;
     }
     set_kind(b, many, TILE_PRIVATE);
     return many != 0;
@@ -257,6 +257,8 @@ static int block_groups(node_builder *b, stab_group groups[PALETTE_MAX + 1])
 {
     int slanted   = __builtin_popcount(b->of_kind[TILE_PLANE] | b->of_kind[TILE_PRIVATE]) >= SLANTED_TILES;
     int pair_from = pair_from_of[b->fine][slanted];
+
+    b->set->privates.thorough = slanted;
     for (int counted = 0;;) {
         intervals s; /* 4 KiB; only the count needs to be initialized */
         s.count = 0;
@@ -310,29 +312,39 @@ static void place_uniform(const node_builder *b, block *out, const palette_in *p
     }
 }
 
-/* Prepare ranges of tile n, relative to depth `from`, for planes through the block. Returns 0 if they are too far from it. */
-static int tile_on_block(plane_ranges *to, const node_builder *b, uint32_t n, int32_t from)
+int tile_ranges_from(plane_ranges *to, const node_builder *b, uint32_t n, int32_t from)
 {
     const tile_in *t = &b->tile[n];
     if (b->tile_emax[n] - t->shift - from >= PLANE_FREE / PLANE_ONE) return 0;
     plane_ranges_of(to, &t->ranges, from + t->shift);
+    return 1;
+}
+
+/* The same for planes through the block. */
+static int tile_on_block(plane_ranges *to, const node_builder *b, uint32_t n, int32_t from)
+{
+    if (!tile_ranges_from(to, b, n, from)) return 0;
     to->x = 8 * (int32_t)(n % 4);
     to->y = 8 * (int32_t)(n / 4);
     return 1;
 }
 
-/* Whether uniform tiles can be on the plane of all others, too: the block is then like its neighbours. Tiles of a slanted sheet are
- * uniform here and there.   all  [out] 1: the plane was moved through all tiles */
-static vxs_result add_uniform(node_builder *b, plane *p, plane_ranges ranges[BLOCK_TILES], int32_t from, int *all)
+/* Add uniform tiles to those on the plane. Tiles of a slanted sheet are uniform here and there; if all tiles are on the plane, the
+ * block is like its neighbours.   on  [in, out] */
+static vxs_result add_uniform(node_builder *b, plane *p, plane_ranges ranges[BLOCK_TILES], int32_t from, uint32_t *on)
 {
-    *all = 0;
-    if (b->columns->side_px < NODE_PX) return VXS_OK; /* some tiles are outside */
+    uint32_t near = 0;
+    if (!*on || b->columns->side_px < NODE_PX) return VXS_OK; /* some tiles are outside */
     for (uint32_t rest = b->of_kind[TILE_UNIFORM]; rest; rest &= rest - 1) {
         uint32_t   n = (uint32_t)__builtin_ctz(rest);
-        vxs_result r = fetch_tile(b, n, 4 * (b->number % 8) + n % 4, 4 * (b->number / 8) + n / 4);
-        if (r != VXS_OK || !tile_on_block(&ranges[n], b, n, from)) return r;
+        vxs_result r = block_fetch_tile(b, n, 4 * (b->number % 8) + n % 4, 4 * (b->number / 8) + n / 4);
+        if (r != VXS_OK) return r;
+        near |= (uint32_t)tile_on_block(&ranges[n], b, n, from) << n;
     }
-    *all = plane_of_all(p, ranges);
+    if ((*on | near) == ALL_TILES && plane_of_all(p, ranges))
+        *on = ALL_TILES;
+    else
+        *on |= plane_passes(p, ranges, near);
     return VXS_OK;
 }
 
@@ -358,11 +370,9 @@ static vxs_result find_plane(node_builder *b, plane *p, uint32_t *flat)
         mixed |= (uint32_t)tile_on_block(&ranges[n], b, n, from) << n;
     }
     if (__builtin_popcount(even & mixed) < PLANE_TILES_MIN) return VXS_OK;
-    uint32_t   on  = plane_of_block(p, ranges, mixed, even & mixed, b->set->recent);
-    int        all = 0;
-    vxs_result r   = on && on == patterned ? add_uniform(b, p, ranges, from, &all) : VXS_OK;
+    uint32_t   on = plane_of_block(p, ranges, mixed, even & mixed, b->set->recent);
+    vxs_result r  = add_uniform(b, p, ranges, from, &on);
     if (r != VXS_OK) return r;
-    if (all) on = ALL_TILES;
     if (on) p->least += from * PLANE_ONE;
     if (p->least < PLANE_LEAST || p->least > PLANE_MOST) on = 0;
     if (!on) *p = (plane){0, 0, 0};

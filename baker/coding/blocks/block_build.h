@@ -61,6 +61,15 @@ static inline int run_takes(run_range *run, int32_t low, int32_t high)
     return 1;
 }
 
+/* Fetch the columns of tile (tile_x, tile_y) of the node as tile n of the block, and add the slope. */
+vxs_result block_fetch_tile(node_builder *b, uint32_t n, uint32_t tile_x, uint32_t tile_y);
+
+/* Prepare ranges of tile n for planes, relative to depth `from`. Returns 0 if they are too far from it. */
+int tile_ranges_from(plane_ranges *to, const node_builder *b, uint32_t n, int32_t from);
+
+/* Make all blocks of a node whose blocks are mixed, if one plane passes through all of it.   on  [out] whether there is one */
+vxs_result node_on_plane(node_builder *b, int *on);
+
 /* Build block b->number of the node, which has no single depth.
  * id    [out] its number in the set
  * base  [out] the first depth of its palette

@@ -124,6 +124,11 @@ static vxs_result build_blocks(node_builder *b)
         }
     }
     depth_of_run(b, first, NODE_BLOCKS, run);
+    if (b->node.mixed == UINT64_MAX) {
+        int        on;
+        vxs_result r = node_on_plane(b, &on);
+        if (r != VXS_OK || on) return r;
+    }
     for (uint64_t rest = b->node.mixed; rest; rest &= rest - 1) {
         uint32_t n   = (uint32_t)__builtin_ctzll(rest);
         b->number    = n;

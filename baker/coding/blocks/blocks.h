@@ -126,9 +126,10 @@ typedef struct block_set {
     pattern_set     patterns;
     private_set     privates;
     plane           recent[PLANES_RECENT]; /* slopes of blocks */
-    uint64_t        tile_count;            /* tiles with a pattern */
-    uint64_t        squares_fetched;       /* number of fetched squares of columns */
-    int             fast;                  /* [in] whether pages will be of VXS_PACKING_FAST */
+    plane           recent_nodes[PLANES_RECENT];
+    uint64_t        tile_count;      /* tiles with a pattern */
+    uint64_t        squares_fetched; /* number of fetched squares of columns */
+    int             fast;            /* [in] whether pages will be of VXS_PACKING_FAST */
 } block_set;
 
 /* Find the id of an equal block, or add the block. Returns VXS_OK, VXS_E_MEMORY, VXS_E_REFERENCES. */

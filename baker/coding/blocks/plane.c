@@ -8,6 +8,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "baker/base/simd.h"
 #include "baker/coding/blocks/patterns.h"
@@ -17,7 +18,7 @@ enum {
     ROOM        = PLANE_ONE - 1,     /* wanted room: one of the possible depths is then a whole voxel */
     ROOM_LEAST  = PLANE_ONE / 4,     /* least room otherwise: the unit of depths of private planes */
     SPARE       = 8,                 /* additional room, for rounding of slopes */
-    SLOPE_ZEROS = 5,                 /* low bits of slopes that may be rounded to zero */
+    SLOPE_ZEROS = 7,                 /* low bits of slopes that may be rounded to zero */
     SLOPE_END   = PLANE_FREE / 64,   /* limit for which depths in an area of 32 x 32 texels are exact */
     NEAR        = 3 * PLANE_ONE / 2, /* distance of texels that may still join a plane */
     WINDOW      = 3                  /* side of the areas from which pairs of planes start */
@@ -160,17 +161,15 @@ static void place(plane *p, const plane_room *room, int32_t side)
     p->least     = roundest((int32_t)room->low - over, (int32_t)room->high - over);
 }
 
-/* Find only the depth; keep the slopes, which can be written already. */
-static int plane_place(plane *p, const plane_ranges *const *tiles, int count, int32_t side)
+int plane_place(plane *p, const plane_ranges *const *tiles, int count, int32_t side, int32_t least_room)
 {
     plane_room room = room_of(p, tiles, count);
-    if (room.low > room.high) return 0;
+    if (room.high - room.low < (float)least_room) return 0;
     place(p, &room, side);
     return 1;
 }
 
-/* The nearest slopes that are multiples of 1 << zeros. */
-static plane rounded(const plane *p, int zeros)
+plane plane_rounded(const plane *p, int zeros)
 {
     int32_t half = 1 << zeros >> 1;
     return (plane){(p->across + half) & -(1 << zeros), (p->down + half) & -(1 << zeros), 0};
@@ -207,8 +206,8 @@ int plane_fit(plane *p, const plane_ranges *const *tiles, int count, int32_t sid
         place(p, &room, side);
         return 1;
     }
-    *p = rounded(p, shift);
-    return plane_shift(p) == shift && plane_place(p, tiles, count, side);
+    *p = plane_rounded(p, shift);
+    return plane_shift(p) == shift && plane_place(p, tiles, count, side, 0);
 }
 
 static int depth_zeros(const plane *p)
@@ -219,8 +218,8 @@ static int depth_zeros(const plane *p)
 void plane_round(plane *p, const plane_ranges *t)
 {
     for (int zeros = SLOPE_ZEROS; zeros > plane_shift(p); zeros--) {
-        plane next = rounded(p, zeros);
-        if (plane_shift(&next) > zeros || !plane_place(&next, &t, 1, 8) || depth_zeros(&next) < depth_zeros(p)) continue;
+        plane next = plane_rounded(p, zeros);
+        if (plane_shift(&next) > zeros || !plane_place(&next, &t, 1, 8, 0) || depth_zeros(&next) < depth_zeros(p)) continue;
         *p = next;
         return;
     }
@@ -234,17 +233,36 @@ plane plane_start(const plane_ranges *t)
 
 /* parts of tiles -------------------------------------------------------------------------------------------------------------- */
 
+/* The ranges that bound the plane of some texels. */
+static void ranges_of(plane_ranges *part, const plane_ranges *t, uint64_t texels, plane_others others)
+{
+    const i32x4 bit = {1, 2, 4, 8}, nearest = (i32x4)f32x4_all(-PLANE_FREE), farthest = (i32x4)f32x4_all(PLANE_FREE);
+    part->x = part->y = 0;
+    part->quadrants   = t->quadrants;
+    for (int q = 0; q < 4 && others == OTHERS_ANYWHERE; q++)
+        if (!(texels >> 16 * q & 0xffff)) part->quadrants &= ~(1u << q);
+    for (int n = 0; n < 64; n += 4) {
+        i32x4 in  = (i32x4)((i32x4_all((int32_t)(texels >> n & 15)) & bit) != i32x4_all(0));
+        i32x4 low = (i32x4)f32x4_load(t->low + n), high = (i32x4)f32x4_load(t->high + n);
+        if (others != OTHERS_BEHIND) low = i32x4_select(in, low, nearest);
+        if (others != OTHERS_BEFORE) high = i32x4_select(in, high, farthest);
+        memcpy(part->low + n, &low, sizeof low);
+        memcpy(part->high + n, &high, sizeof high);
+    }
+}
+
+void plane_round_texels(plane *p, const plane_ranges *t, uint64_t texels)
+{
+    plane_ranges part;
+    ranges_of(&part, t, texels, OTHERS_ANYWHERE);
+    plane_round(p, &part);
+}
+
 int plane_fit_texels(plane *p, const plane_ranges *t, uint64_t texels, plane_others others)
 {
-    plane_ranges        part = *t;
+    plane_ranges        part;
     const plane_ranges *tile = &part;
-    for (int q = 0; q < 4 && others == OTHERS_ANYWHERE; q++)
-        if (!(texels >> 16 * q & 0xffff)) part.quadrants &= ~(1u << q);
-    for (uint64_t rest = ~texels; rest; rest &= rest - 1) {
-        int n = __builtin_ctzll(rest);
-        if (others != OTHERS_BEHIND) part.low[n] = -PLANE_FREE;
-        if (others != OTHERS_BEFORE) part.high[n] = PLANE_FREE;
-    }
+    ranges_of(&part, t, texels, others);
     if (!plane_fit(p, &tile, 1, 8)) return 0;
     if (others != OTHERS_ANYWHERE) plane_round(p, &part);
     return 1;
@@ -322,11 +340,12 @@ static uint64_t grow(plane *p, const plane_ranges *t, uint64_t window)
     return on;
 }
 
-int plane_fit_pair(plane pair[2], uint64_t *second, const plane_ranges *t)
+int plane_fit_pair(plane pair[2], uint64_t *second, const plane_ranges *t, int thorough)
 {
-    static const int8_t window[][2] = {{0, 0}, {5, 5}, {5, 0}, {0, 5}};
+    static const int8_t window[][2] = {{0, 0}, {5, 5}, {5, 0}, {0, 5}, {2, 2}, {3, 0}, {0, 3}, {5, 3}, {3, 5}, {3, 3}};
+    const unsigned      count       = thorough ? sizeof window / sizeof *window : 4;
     uint64_t            tried       = 0;
-    for (unsigned n = 0; n < sizeof window / sizeof *window; n++) {
+    for (unsigned n = 0; n < count; n++) {
         uint64_t texels = window_texels(window[n][0], window[n][1]);
         if ((texels & tried) == texels) continue; /* tried: no plane passes through the other texels */
         if (!window_may_fit(t, window[n][0], window[n][1])) continue;
@@ -345,7 +364,7 @@ int plane_fit_pair(plane pair[2], uint64_t *second, const plane_ranges *t)
 
 enum {
     BLOCK_PX    = 32,
-    SEEDS       = 3,
+    SEEDS       = 6,
     BLOCK_ZEROS = 2,            /* low bits of slopes that may be rounded to zero */
     BLOCK_ROOM  = PLANE_ONE / 2 /* room that is left then */
 };
@@ -437,7 +456,7 @@ static uint32_t tiles_about(plane *p, const plane_ranges tiles[16], uint32_t mix
 static void round_for_block(plane *p, const plane_ranges tiles[16], uint32_t on)
 {
     for (int zeros = BLOCK_ZEROS; zeros > plane_shift(p); zeros--) {
-        plane      next = rounded(p, zeros);
+        plane      next = plane_rounded(p, zeros);
         plane_room room;
         if (!tiles_on_slopes(&next, tiles, on, __builtin_popcount(on) - 1, &room) || size_of(&room) < BLOCK_ROOM) continue;
         place(&next, &room, BLOCK_PX);
@@ -446,7 +465,7 @@ static void round_for_block(plane *p, const plane_ranges tiles[16], uint32_t on)
     }
 }
 
-static void remember(plane recent[PLANES_RECENT], plane p)
+void plane_remember(plane recent[PLANES_RECENT], plane p)
 {
     int n = 0;
     while (n < PLANES_RECENT - 1 && (recent[n].across != p.across || recent[n].down != p.down)) n++;
@@ -478,8 +497,20 @@ uint32_t plane_of_block(plane *p, const plane_ranges tiles[16], uint32_t mixed, 
         round_for_block(p, tiles, on);
     }
     if (__builtin_popcount(best) < PLANE_TILES_MIN) return 0;
-    remember(recent, *p);
+    plane_remember(recent, *p);
     return best;
+}
+
+uint32_t plane_passes(const plane *p, const plane_ranges tiles[16], uint32_t some)
+{
+    float    first = (float)(p->least + first_over_least(p, BLOCK_PX));
+    uint32_t on    = 0;
+    for (uint32_t rest = some; rest; rest &= rest - 1) {
+        const plane_ranges *tile = &tiles[__builtin_ctz(rest)];
+        plane_room          room = room_of(p, &tile, 1);
+        if (room.low <= first && first <= room.high) on |= rest & -rest;
+    }
+    return on;
 }
 
 int plane_of_all(plane *p, const plane_ranges tiles[16])

@@ -43,6 +43,13 @@ static inline int32_t plane_depth(const plane *p, int32_t side, int32_t x, int32
  * Returns 0 if none was found; then *p is undefined. */
 int plane_fit(plane *p, const plane_ranges *const *tiles, int count, int32_t side);
 
+/* Find only the depth; keep the slopes, which can be written already. Returns 0 if there is less room than `least_room`; then *p is
+ * undefined. */
+int plane_place(plane *p, const plane_ranges *const *tiles, int count, int32_t side, int32_t least_room);
+
+/* The nearest slopes that are multiples of 1 << zeros. */
+plane plane_rounded(const plane *p, int zeros);
+
 /* Give a plane that was fitted to one tile of 8 x 8 rounder slopes, which take fewer bits: the roundest that keep its depth as
  * round as before. */
 void plane_round(plane *p, const plane_ranges *t);
@@ -53,6 +60,9 @@ typedef enum plane_others { OTHERS_ANYWHERE, OTHERS_BEHIND, OTHERS_BEFORE } plan
 /* Like plane_fit, for the texels of one tile of 8 x 8 whose bits are set. With OTHERS_BEHIND or OTHERS_BEFORE slopes are
  * rounded, too. */
 int plane_fit_texels(plane *p, const plane_ranges *t, uint64_t texels, plane_others others);
+
+/* The same as plane_round for a plane through these texels. */
+void plane_round_texels(plane *p, const plane_ranges *t, uint64_t texels);
 
 /* Start slopes, from the ends of a tile. */
 plane plane_start(const plane_ranges *t);
@@ -65,13 +75,20 @@ plane plane_start(const plane_ranges *t);
  * Returns the bits of its tiles; 0: not worth it. */
 uint32_t plane_of_block(plane *p, const plane_ranges tiles[16], uint32_t mixed, uint32_t flat, plane recent[PLANES_RECENT]);
 
+/* Put a plane in front. */
+void plane_remember(plane recent[PLANES_RECENT], plane p);
+
+/* Bits of those of some tiles that the plane of a block passes through. */
+uint32_t plane_passes(const plane *p, const plane_ranges tiles[16], uint32_t some);
+
 /* Move a plane in depth until it passes through all 16 tiles. Returns 0 if there is no such depth; then *p stays as it is. */
 int plane_of_all(plane *p, const plane_ranges tiles[16]);
 
 /* Find two planes that pass through all texels of a tile of 8 x 8, each through its own texels.
+ * thorough  whether it may take longer
  * second  [out] texels of the second plane
  * Returns 0 if none were found; 1 otherwise, with *second 0 if one plane is enough. */
-int plane_fit_pair(plane pair[2], uint64_t *second, const plane_ranges *t);
+int plane_fit_pair(plane pair[2], uint64_t *second, const plane_ranges *t, int thorough);
 
 /* Slope of a node: it is added to the depths of the node's tiles, so that flat ground under slanted light has a single depth. */
 

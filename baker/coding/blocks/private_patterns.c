@@ -247,8 +247,8 @@ static void take_planes(private_pattern *p, const private_planes *planes, int32_
 }
 
 /* Choose one plane, or depths, or two planes if these are certain to take less. */
-static void choose(private_pattern *p, const tile_ranges *t, const half_ranges *halves, const private_planes *planes, int cpu,
-                   int32_t *base)
+static void choose(const private_set *s, private_pattern *p, const tile_ranges *t, const half_ranges *halves,
+                   const private_planes *planes, int32_t *base)
 {
     private_planes pair;
     fewest_depths  few;
@@ -257,10 +257,10 @@ static void choose(private_pattern *p, const tile_ranges *t, const half_ranges *
         return;
     }
     few.count = 0;
-    if (halves) find_fewest(&few, halves, cpu);
+    if (halves) find_fewest(&few, halves, s->cpu);
     const int many = few.count >= MANY_DEPTHS;
     if (!many && choose_depths(p, t, halves, &few, base) <= PRIVATE_PLANES_HALVES_MAX) return;
-    private_plane_pair(&pair, t);
+    private_plane_pair(&pair, t, s->thorough);
     if (pair.count && (!halves || in_halves(pair.depth)))
         take_planes(p, &pair, base);
     else if (many)
@@ -309,7 +309,7 @@ static vxs_result add(private_set *s, const tile_ranges *t, const half_ranges *h
     if (like)
         *p = *like;
     else
-        choose(p, t, halves, planes, s->cpu, base);
+        choose(s, p, t, halves, planes, base);
     for (int n = 0; n < 64; n++) {
         p->may.low[n]  = t->low[n] - *base;
         p->may.high[n] = t->high[n] - *base;

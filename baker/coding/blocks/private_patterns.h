@@ -48,8 +48,8 @@ int private_planes_are_sound(const uint16_t *halves, uint32_t count);
 /* Fit one plane: count becomes PRIVATE_PLANE_HALVES, or 0. */
 void private_plane(private_planes *to, const tile_ranges *t);
 
-/* Fit two planes. */
-void private_plane_pair(private_planes *to, const tile_ranges *t);
+/* Fit two planes.   thorough  whether it may take longer */
+void private_plane_pair(private_planes *to, const tile_ranges *t, int thorough);
 
 enum { PRIVATE_WINDOW = 1024 }; /* number of patterns that a tile is compared with */
 
@@ -62,6 +62,7 @@ typedef struct private_pattern {
 
 /* Zero it. */
 typedef struct private_set {
+
     private_pattern *patterns; /* by id */
     size_t           count, pattern_capacity;
 
@@ -69,7 +70,8 @@ typedef struct private_set {
     struct private_known *known;
     struct pair_group    *groups;
     size_t                known_count, known_capacity, group_capacity;
-    int                   cpu; /* [in] level of cpu.h for searches; affects only time */
+    int                   thorough; /* [in] whether a search for two planes may take longer */
+    int                   cpu;      /* [in] level of cpu.h for searches; affects only time */
 } private_set;
 
 /* Find a pattern that fits, or add one: planes, or depths that follow their neighbours as far as the ranges allow.

@@ -197,14 +197,14 @@ static uint32_t encode_pair(private_planes *to, plane_pair pair, int kind, const
     return PRIVATE_PLANES_HALVES_MAX;
 }
 
-void private_plane_pair(private_planes *to, const tile_ranges *t)
+void private_plane_pair(private_planes *to, const tile_ranges *t, int thorough)
 {
     plane_ranges ranges = {.x = 0};
     plane_pair   found;
     int32_t      from = least_high(t);
     to->count         = 0;
     plane_ranges_of(&ranges, t, from);
-    if (!plane_fit_pair(found.p, &found.second, &ranges)) return;
+    if (!plane_fit_pair(found.p, &found.second, &ranges, thorough)) return;
     if (!found.second) found.p[1] = found.p[0];
     for (int kind = NEARER; kind <= FARTHER && !to->count; kind++) {
         /* if the texels of each plane end where the planes meet, no mask is needed */
@@ -214,7 +214,10 @@ void private_plane_pair(private_planes *to, const tile_ranges *t)
         if (!plane_fit_texels(&pair.p[1], &ranges, pair.second, others)) continue;
         to->count = encode_pair(to, pair, kind, t, from);
     }
-    if (!to->count) to->count = encode_pair(to, found, BY_MASK, t, from);
+    if (to->count) return;
+    plane_round_texels(&found.p[0], &ranges, ~found.second);
+    plane_round_texels(&found.p[1], &ranges, found.second);
+    to->count = encode_pair(to, found, BY_MASK, t, from);
 }
 
 int private_planes_are_sound(const uint16_t *halves, uint32_t count)
