@@ -5,6 +5,7 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
+#include "baker/base/clock.h"
 #include "baker/base/integer.h"
 #include "baker/base/run_control.h"
 #include "baker/base/system.h"
@@ -18,7 +19,7 @@ typedef struct loop {
     void (*body)(void *user, size_t begin, size_t end, uint32_t worker);
     void        *user;
     run_control *run_control; /* the caller's run */
-    uint32_t     called;      /* threads that are called to the loop and have not ended their work; under the pool's lock */
+    atomic_uint  called;      /* threads that are called to the loop and have not ended their work */
 } loop;
 
 /* The pool of the calling thread; NULL: none. */
@@ -38,14 +39,14 @@ static void work(loop *l, uint32_t worker)
 
 /* pools ----------------------------------------------------------------------------------------------------------------------- */
 
-/* A thread of a pool. Its fields are under the pool's lock. */
+/* A thread of a pool. */
 typedef struct pool_thread {
     thread_pool        *pool;
     os_thread           thread;
     os_signal           wake;
-    loop               *loop;   /* the loop to which it is called, and in which it has not begun to work; NULL: none */
+    loop *_Atomic       loop;   /* the loop to which it is called, and in which it has not begun to work; NULL: none */
     uint32_t            worker; /* its number in that loop */
-    struct pool_thread *next;   /* idle thread after it */
+    struct pool_thread *next;   /* idle thread after it; under the pool's lock */
 } pool_thread;
 
 struct thread_pool {
@@ -54,8 +55,14 @@ struct thread_pool {
     pool_thread  threads[PARALLEL_THREADS_MAX - 1];
     uint32_t     count; /* started threads */
     pool_thread *idle;
-    int          ends; /* 1: threads without a loop end */
+    atomic_uint  waiting;      /* threads that wait for done */
+    atomic_int   ends;         /* 1: threads without a loop end */
+    double       spin_seconds; /* that threads look again and again before they sleep */
 };
+
+/* Waking a thread that sleeps takes longer than many loops: the time between them, or until the last thread of a loop ends, is often
+ * shorter. */
+static const double SPIN_SECONDS = 5e-5;
 
 static void become_idle(pool_thread *t)
 {
@@ -63,9 +70,27 @@ static void become_idle(pool_thread *t)
     t->pool->idle = t;
 }
 
+/* Wait for a loop. Returns NULL when the pool ends. */
+static loop *next_loop(pool_thread *t)
+{
+    thread_pool *pool = t->pool;
+    double       end  = clock_seconds() + pool->spin_seconds;
+    while (!atomic_load(&t->loop) && !atomic_load(&pool->ends) && clock_seconds() < end) {}
+    loop *l = atomic_exchange(&t->loop, NULL);
+    if (l) return l;
+    os_lock(&pool->lock);
+    while (!(l = atomic_exchange(&t->loop, NULL)) && !atomic_load(&pool->ends)) os_wait(&t->wake, &pool->lock);
+    os_unlock(&pool->lock);
+    return l;
+}
+
+/* The loop is gone when no thread is called to it any more. */
 static void leave_loop(loop *l, thread_pool *pool)
 {
-    if (!--l->called) os_wake_all(&pool->done);
+    if (atomic_fetch_sub(&l->called, 1) != 1 || !atomic_load(&pool->waiting)) return;
+    os_lock(&pool->lock);
+    os_wake_all(&pool->done);
+    os_unlock(&pool->lock);
 }
 
 static void *run_pool_thread(void *argument)
@@ -73,22 +98,15 @@ static void *run_pool_thread(void *argument)
     pool_thread *t    = argument;
     thread_pool *pool = t->pool;
     current           = pool;
-    os_lock(&pool->lock);
-    for (;;) {
-        while (!t->loop && !pool->ends) os_wait(&t->wake, &pool->lock);
-        if (!t->loop) break;
-        loop    *l      = t->loop;
-        uint32_t worker = t->worker;
-        t->loop         = NULL;
-        os_unlock(&pool->lock);
+    for (loop *l; (l = next_loop(t));) {
         run_control_enter(l->run_control);
-        work(l, worker);
+        work(l, t->worker);
         run_control_leave(l->run_control);
         os_lock(&pool->lock);
-        leave_loop(l, pool);
         become_idle(t);
+        os_unlock(&pool->lock);
+        leave_loop(l, pool);
     }
-    os_unlock(&pool->lock);
     return NULL;
 }
 
@@ -111,16 +129,27 @@ static int start_thread(thread_pool *pool, loop *l, uint32_t worker)
 static void call_threads(thread_pool *pool, loop *l, uint32_t threads)
 {
     os_lock(&pool->lock);
-    for (uint32_t worker = 1; worker < threads; worker++, l->called++) {
+    for (uint32_t worker = 1; worker < threads; worker++) {
         pool_thread *t = pool->idle;
-        if (!t && !start_thread(pool, l, worker)) break;
-        if (!t) continue;
-        pool->idle = t->next;
-        t->loop    = l;
-        t->worker  = worker;
-        os_wake_all(&t->wake);
+        atomic_fetch_add(&l->called, 1);
+        if (t) {
+            pool->idle = t->next;
+            t->worker  = worker;
+            atomic_store(&t->loop, l);
+            os_wake_all(&t->wake);
+        } else if (!start_thread(pool, l, worker)) {
+            atomic_fetch_sub(&l->called, 1);
+            break;
+        }
     }
     os_unlock(&pool->lock);
+}
+
+static int is_left(const loop *l, double until)
+{
+    while (atomic_load(&l->called))
+        if (clock_seconds() >= until) return 0;
+    return 1;
 }
 
 /* Wait for the threads that work in a loop, and call off those that have not begun. */
@@ -128,19 +157,20 @@ static void end_calls(thread_pool *pool, loop *l)
 {
     os_lock(&pool->lock);
     for (pool_thread *t = pool->threads; t < pool->threads + pool->count; t++) {
-        if (t->loop != l) continue;
-        t->loop = NULL;
-        l->called--;
+        loop *called = l;
+        if (!atomic_compare_exchange_strong(&t->loop, &called, NULL)) continue;
+        atomic_fetch_sub(&l->called, 1);
         become_idle(t);
     }
-    if (l->called) {
-        run_control_leave(l->run_control); /* waiting for the other threads does not count as work */
-        while (l->called) os_wait(&pool->done, &pool->lock);
-        os_unlock(&pool->lock);
-        run_control_enter(l->run_control);
-    } else {
-        os_unlock(&pool->lock);
-    }
+    os_unlock(&pool->lock);
+    if (is_left(l, clock_seconds() + pool->spin_seconds)) return;
+    run_control_leave(l->run_control); /* waiting for the other threads does not count as work */
+    os_lock(&pool->lock);
+    atomic_fetch_add(&pool->waiting, 1);
+    while (atomic_load(&l->called)) os_wait(&pool->done, &pool->lock);
+    atomic_fetch_sub(&pool->waiting, 1);
+    os_unlock(&pool->lock);
+    run_control_enter(l->run_control);
 }
 
 /* ends  1: threads end after one loop */
@@ -148,15 +178,17 @@ static void pool_init(thread_pool *pool, int ends)
 {
     os_mutex_init(&pool->lock);
     os_signal_init(&pool->done);
-    pool->count = 0;
-    pool->idle  = NULL;
-    pool->ends  = ends;
+    pool->count        = 0;
+    pool->idle         = NULL;
+    pool->spin_seconds = system_processors() > 1 ? SPIN_SECONDS : 0;
+    atomic_init(&pool->waiting, 0);
+    atomic_init(&pool->ends, ends);
 }
 
 static void pool_free(thread_pool *pool)
 {
     os_lock(&pool->lock);
-    pool->ends = 1;
+    atomic_store(&pool->ends, 1);
     for (uint32_t n = 0; n < pool->count; n++) os_wake_all(&pool->threads[n].wake);
     os_unlock(&pool->lock);
     for (uint32_t n = 0; n < pool->count; n++) {
@@ -199,6 +231,7 @@ void parallel_for(uint32_t threads, size_t count, size_t grain, void (*body)(voi
               .user        = user,
               .run_control = run_control_current()};
     atomic_init(&l.next, 0);
+    atomic_init(&l.called, 0);
     if (threads > l.chunk_count) threads = (uint32_t)l.chunk_count;
     if (threads < 2) {
         work(&l, 0);
