@@ -313,8 +313,9 @@ static int code_uniform_tile(walk *w, block *b, uint32_t t, uint32_t x0, uint32_
             }
             index = b->entry == left ? 0 : b->entry == above ? 1 : b->entry < b->entries ? b->entry + 2 : 0;
         }
-        uint32_t many = b->entries < 4 ? 0 : b->entries < 9 ? 1 : 2;
-        index = code_nibble(&w->c, &w->odds->index[likeness(left, above, none)][many][corner_context(w, x0, y0, TILE_PX)], index);
+        uint32_t many = (uint32_t)(b->entries > 3) + (uint32_t)(b->entries > 8);
+        index =
+            code_nibble_here(&w->c, &w->odds->index[likeness(left, above, none)][many][corner_context(w, x0, y0, TILE_PX)], index);
         index = index == 0 ? left : index == 1 ? above : index - 2;
         if (index >= b->entries) return 0;
     }
@@ -347,7 +348,7 @@ static uint32_t code_used(walk *w, const block *b, uint32_t t, uint32_t value, u
     uint32_t low  = (left & above) | ((tiles | span) & ~either);
     for (uint32_t n = 0; n < b->entries; n += 4) {
         uint32_t k = (low >> n & 15) | (either >> n & 15) << 4, more = b->entries - n;
-        used |= code_nibble(&c, &w->odds->used[more < 4 ? more : 0][k], value >> n & 15) << n;
+        used |= code_nibble_here(&c, &w->odds->used[more < 4 ? more : 0][k], value >> n & 15) << n;
     }
     w->c = c;
     if (set) set_add(set, USED_LANES, USED_LANES, used + 1);
