@@ -40,9 +40,11 @@ static inline int32_t square_base(uint32_t bounds, uint32_t levels)
 /* Every other bit of n. */
 static inline uint32_t even_bits(uint32_t n)
 {
-    uint32_t x = 0;
-    for (uint32_t b = 0; b < 16; b++) x |= (n >> 2 * b & 1) << b;
-    return x;
+    n &= 0x55555555;
+    n = (n | n >> 1) & 0x33333333;
+    n = (n | n >> 2) & 0x0f0f0f0f;
+    n = (n | n >> 4) & 0x00ff00ff;
+    return (n | n >> 8) & 0xffff;
 }
 
 /* Index of the node at an offset of a page, whose nodes are first..end - 1, in ascending order; `none` if there is none. */
