@@ -11,6 +11,7 @@
 #include "alloc_fail.h"
 #include "baker/bake/bake_light.h"
 #include "baker/base/parallel.h"
+#include "baker/base/z_order.h"
 #include "baker/coding/blocks/blocks.h" /* before cmocka, whose fail() is a macro */
 #include "dag_sample.h"
 #include "formats/vxs_page_fast.h"
@@ -69,8 +70,8 @@ static block_words words_of_pages(void)
     if (!made.words) made = make_words_of_pages();
     block_words copy  = made;
     size_t      bytes = (made.count + VXS_BLOCKS_SPARE_WORDS) * sizeof *made.words;
-    copy.words        = memcpy(malloc(bytes), made.words, bytes);
-    copy.common_kinds = memcpy(malloc(made.common_count), made.common_kinds, made.common_count);
+    copy.words = copy.memory = memcpy(malloc(bytes), made.words, bytes);
+    copy.common_kinds        = memcpy(malloc(made.common_count), made.common_kinds, made.common_count);
     return copy;
 }
 
@@ -238,6 +239,50 @@ static void test_round_trip_of_large_maps(void **state)
             assert_int_equal(build_analytic(&w, &a, 2), VXS_OK);
             round_trip(&w, levels, 1, levels);
         }
+}
+
+/* A map of 16 x 16 nodes: 80, the same once more, 20 others, and squares of one depth. */
+static block_words words_of_repeats(uint32_t threads)
+{
+    enum { NODES = 256, SHAPES = 80, MIXED = 180 };
+    block_set   set = {0};
+    block_words w;
+    rng         r = rng_split(7, 1);
+    uint32_t    ids[MIXED - SHAPES][NODE_BLOCKS];
+    for (uint32_t n = 0; n < (MIXED - SHAPES) * NODE_BLOCKS; n++) {
+        block b = {.depths = PALETTE_MAX};
+        for (int k = 1; k < PALETTE_MAX; k++) b.depth[k] = 40 * k + (int32_t)rng_below(&r, 40);
+        for (uint32_t t = 0; t < BLOCK_TILES; t++) b.tile[t].palette = (uint16_t)(t % PALETTE_MAX);
+        assert_int_equal(block_set_find(&set, &b, &ids[n / NODE_BLOCKS][n % NODE_BLOCKS]), VXS_OK);
+    }
+    for (uint32_t n = 0; n < NODES; n++) {
+        const z_place at = z_order(n);
+        if (n >= MIXED) {
+            assert_int_equal(block_set_add_uniform(&set, &(uniform_square){0, square_level(NODE_PX), at.i, at.j, 9}), VXS_OK);
+            continue;
+        }
+        block_node node = {.x = at.i, .y = at.j, .emin = 1000, .xmax = 1000 + 40 * PALETTE_MAX, .mixed = UINT64_MAX};
+        for (int k = 0; k < NODE_BLOCKS; k++) node.depth[k] = 1000;
+        memcpy(node.block, ids[n < SHAPES ? n : n - SHAPES], sizeof node.block);
+        assert_int_equal(block_set_add_node(&set, &node), VXS_OK);
+    }
+    assert_int_equal(block_words_lay_out(&w, &set, 12, 1, threads), VXS_OK);
+    block_set_free(&set);
+    return w;
+}
+
+/* As few pages as possible have the first nodes and their repeats in one page. Equal pages have these apart, and take more words. */
+static void test_round_trip_of_pages_that_grow(void **state)
+{
+    (void)state;
+    for (uint32_t threads = 1; threads <= 4; threads++) {
+        block_words w = words_of_repeats(threads), one = words_of_repeats(1);
+        assert_true(w.count > 120000 && w.counts.nodes > 160 && w.words[0] == 4);
+        assert_int_equal(w.count, one.count);
+        assert_memory_equal(w.words, one.words, w.count * sizeof *w.words);
+        block_words_free(&one);
+        round_trip(&w, 12, 1, threads);
+    }
 }
 
 /* A sun and a punctual light of palette blocks, with DAGs before, between and behind them. */
@@ -1137,6 +1182,7 @@ int main(void)
         cmocka_unit_test_setup(test_round_trip_of_pages, pack_fast),
         cmocka_unit_test_setup(test_round_trip_of_pages, pack_small),
         cmocka_unit_test_setup(test_round_trip_of_large_maps, pack_fast),
+        cmocka_unit_test_setup(test_round_trip_of_pages_that_grow, pack_fast),
         cmocka_unit_test_setup(test_round_trip_of_large_maps, pack_small),
         cmocka_unit_test_setup(test_mixed_codings, pack_fast),
         cmocka_unit_test_setup(test_mixed_codings, pack_small),

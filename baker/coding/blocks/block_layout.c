@@ -267,23 +267,35 @@ static vxs_result shape_nodes(layout *l)
 
 /* words ----------------------------------------------------------------------------------------------------------------------- */
 
-/* Write head, table of pages, tops, common patterns, pages. */
+/* Most words before the pages. A page has a node, and a cell at most all of its entries. */
+static size_t most_before(const layout *l)
+{
+    const size_t side = l->levels > 8 ? (size_t)1 << (l->levels - 8) : 1;
+    return HEAD_WORDS + l->set->node_count + l->map_count * 3 * side * side + (l->common_halves + 1) / 2;
+}
+
+/* Write pages, and before them the head, the table of pages, tops, common patterns. */
 static vxs_result assemble(layout *l)
 {
-    size_t    top = HEAD_WORDS + l->page_count, common = top + l->top_count, common_words = (l->common_halves + 1) / 2;
-    size_t    page_start = common + common_words, all = page_start + page_place(l, l->page_count);
-    uint32_t *w = all > UINT32_MAX / 2 ? NULL : calloc(all + VXS_BLOCKS_SPARE_WORDS, sizeof *w);
-    if (!w) return all > UINT32_MAX / 2 ? VXS_E_REFERENCES : VXS_E_MEMORY;
-    w[0] = (uint32_t)l->page_count;
-    w[1] = (uint32_t)common;
+    const size_t before = most_before(l), common_words = (l->common_halves + 1) / 2;
+    uint32_t    *memory;
+    vxs_result   r = layout_write_pages(l, before, &memory);
+    if (r == VXS_OK) r = layout_build_top(l);
+    const size_t top = HEAD_WORDS + l->page_count, common = top + l->top_count, page_start = common + common_words,
+                 all = page_start + page_place(l, l->page_count);
+    if (r == VXS_OK && all > UINT32_MAX / 2) r = VXS_E_REFERENCES;
+    if (r != VXS_OK) {
+        free(memory);
+        return r;
+    }
+    uint32_t *w = memory + before - page_start;
+    w[0]        = (uint32_t)l->page_count;
+    w[1]        = (uint32_t)common;
     for (uint32_t map = 0; map < l->map_count; map++) w[2 + map] = (uint32_t)top + l->top_start[map];
     for (size_t p = 0; p < l->page_count; p++) w[HEAD_WORDS + p] = (uint32_t)page_start + page_place(l, p);
     memcpy(w + top, l->top, l->top_count * sizeof *w);
     layout_write_common(l, w + common);
-    if (layout_write_pages(l, w + page_start) != VXS_OK) {
-        free(w);
-        return VXS_E_MEMORY;
-    }
+    l->out->memory              = memory;
     l->out->words               = w;
     l->out->count               = (uint32_t)all;
     l->out->common_kinds        = l->common_kinds;
@@ -308,7 +320,7 @@ vxs_result block_words_lay_out(block_words *out, block_set *s, uint32_t levels, 
     vxs_result r;
     memset(out, 0, sizeof *out);
     if ((r = encode_patterns(&l)) == VXS_OK && (r = layout_measure_blocks(&l)) == VXS_OK && (r = shape_nodes(&l)) == VXS_OK &&
-        (r = layout_cut_pages(&l)) == VXS_OK && (r = layout_build_top(&l)) == VXS_OK)
+        (r = layout_share_pages(&l)) == VXS_OK)
         r = assemble(&l);
 
     for (int is_private = 0; is_private < 2; is_private++) {
@@ -329,7 +341,7 @@ vxs_result block_words_lay_out(block_words *out, block_set *s, uint32_t levels, 
 
 void block_words_free(block_words *w)
 {
-    free(w->words);
+    free(w->memory);
     free(w->common_kinds);
     memset(w, 0, sizeof *w);
 }

@@ -55,6 +55,7 @@ typedef struct layout {
     uint16_t    *block_words;  /* [blocks] words of a block without its patterns */
     page_end    *page_end;     /* [page_count] */
     size_t       page_count, page_capacity;
+    uint64_t     share;     /* words that a page is to have */
     uint32_t    *common[2]; /* [code] 1 + position of its half in the common pool; 0: not there */
     uint32_t     common_halves;
     uint8_t     *common_kinds; /* [common_count] kinds of patterns, in the order of the common pool */
@@ -146,11 +147,20 @@ uint32_t layout_node_words(const node_shape *s);
 /* Measure the blocks, and give the patterns of their tiles the numbers of their codes. */
 vxs_result layout_measure_blocks(layout *l);
 
-/* Cut the nodes into as few pages as possible, of about equal size, and place them; choose the common patterns. */
-vxs_result layout_cut_pages(layout *l);
+/* Find how many words each page of as few as possible has, and choose the common patterns. The pages are not the final ones, but their
+ * words are about as many. */
+vxs_result layout_share_pages(layout *l);
 
-/* Write all pages, one behind the other, on all threads; `to` must be zeroed. Returns VXS_OK or VXS_E_MEMORY. */
-vxs_result layout_write_pages(layout *l, uint32_t *to);
+/* Cut the nodes into pages of about equal size, and place them.
+ * ended  called after each page, whose nodes and end are final. Until then page_count is that of the pages before, and page_end does
+ *        not move */
+vxs_result layout_cut_pages(layout *l, void (*ended)(void *user, size_t page_count), void *user);
+
+/* Cut the pages, and write them while the next ones are cut, on all threads.
+ * before  words of space before the first page
+ * memory  [out] zeroed but for the pages, with VXS_BLOCKS_SPARE_WORDS behind the last; released with free
+ * Returns VXS_OK, VXS_E_MEMORY, VXS_E_REFERENCES. */
+vxs_result layout_write_pages(layout *l, size_t before, uint32_t **memory);
 
 /* Write the common patterns; `to` must be zeroed. */
 void layout_write_common(const layout *l, uint32_t *to);

@@ -69,6 +69,8 @@ typedef struct tile_code {
 /* While pages are cut: for each block and each pattern the last page that has it, counted from 1. */
 typedef struct cutter {
     uint16_t *block, *code[2];
+    void (*ended)(void *user, size_t page_count); /* NULL: nobody waits for pages */
+    void     *user;
     uint32_t  fresh_count; /* patterns that no node of the page before the last one uses */
     tile_code fresh[NODE_BLOCKS * BLOCK_TILES];
 } cutter;
@@ -151,18 +153,19 @@ static void cutter_begin(cutter *c, layout *l)
 }
 
 /* End the page before node n. */
-static vxs_result end_page(layout *l, uint32_t n, const page_size *size)
+static vxs_result end_page(layout *l, const cutter *c, uint32_t n, const page_size *size)
 {
     if (!array_reserve(&l->page_end, &l->page_capacity, l->page_count + 1, sizeof *l->page_end)) return VXS_E_MEMORY;
     uint64_t end = (uint64_t)page_place(l, l->page_count) + page_words(size);
     if (end > UINT32_MAX / 2 || l->page_count == VXS_PAGES_MAX) return VXS_E_REFERENCES;
     l->page_end[l->page_count++] = (page_end){n, (uint32_t)end, size->words};
+    if (c->ended) c->ended(c->user, l->page_count);
     return VXS_OK;
 }
 
-/* End pages where they are full, or where the words so far are nearest to a multiple of `share`.
+/* End pages where they are full, or where the words so far are nearest to a multiple of l->share.
  * pages  [is_private][code] zeroed; [out] number of pages with each pattern; NULL: not wanted */
-static vxs_result cut(layout *l, cutter *c, uint64_t share, uint32_t *const *pages)
+static vxs_result cut(layout *l, cutter *c, uint32_t *const *pages)
 {
     uint32_t   count = (uint32_t)l->set->node_count;
     page_size  page  = {0, 0};
@@ -173,16 +176,16 @@ static vxs_result cut(layout *l, cutter *c, uint64_t share, uint32_t *const *pag
         add_to_page(l, c, &page, n);
         uint64_t middle = page_place(l, l->page_count) +
                           ((uint64_t)page_words(&before) + page_words(&page)) / 2; /* middle of this node among all words */
-        if (n > first && (page_words(&page) > VXS_PAGE_WORDS_MAX || middle >= share * (l->page_count + 1))) {
+        if (n > first && (page_words(&page) > VXS_PAGE_WORDS_MAX || middle >= l->share * (l->page_count + 1))) {
             /* this node begins the next page */
-            r     = end_page(l, n, &before);
+            r     = end_page(l, c, n, &before);
             first = n;
             page  = (page_size){0, 0};
             add_to_page(l, c, &page, n);
         }
         for (const tile_code *t = c->fresh; pages && t < c->fresh + c->fresh_count; t++) pages[t->is_private][t->code]++;
     }
-    return r == VXS_OK && count ? end_page(l, count, &page) : r;
+    return r == VXS_OK && count ? end_page(l, c, count, &page) : r;
 }
 
 /* common patterns ------------------------------------------------------------------------------------------------------------- */
@@ -200,17 +203,12 @@ static int by_use(const void *a, const void *b)
     return (x->code > y->code) - (x->code < y->code);
 }
 
-/* First fill each page, which gives the least number of pages. Then cut again into this number of equal pages, so that threads
- * get equal work. */
-static vxs_result cut_twice(layout *l, cutter *c, uint32_t *const *pages)
+/* Store patterns of several pages once, as many as there is space for. */
+static vxs_result share_patterns(layout *l, uint32_t *const *pages)
 {
-    vxs_result r = cut(l, c, VXS_PAGE_WORDS_MAX, pages);
-    if (r != VXS_OK || l->page_count < 2) return r;
-
-    /* store patterns of several pages once, as many as there is space for */
     size_t       all = l->codes[0].count + l->codes[1].count, count = 0;
     shared_code *shared = malloc((all + 1) * sizeof *shared);
-    r                   = shared ? VXS_OK : VXS_E_MEMORY;
+    vxs_result   r      = shared ? VXS_OK : VXS_E_MEMORY;
     for (uint32_t is_private = 0; is_private < 2 && r == VXS_OK; is_private++)
         for (uint32_t code = 0; code < l->codes[is_private].count; code++)
             if (pages[is_private][code] > 1) shared[count++] = (shared_code){pages[is_private][code], is_private, code};
@@ -227,18 +225,44 @@ static vxs_result cut_twice(layout *l, cutter *c, uint32_t *const *pages)
         l->common_halves += size;
     }
     free(shared);
-    return r == VXS_OK ? cut(l, c, page_place(l, l->page_count) / l->page_count + 1, NULL) : r;
+    return r;
 }
 
-vxs_result layout_cut_pages(layout *l)
+/* Fill each page, which gives the least number of pages. */
+vxs_result layout_share_pages(layout *l)
 {
     uint32_t  *pages[2] = {calloc(l->codes[0].count + 1, sizeof **pages), calloc(l->codes[1].count + 1, sizeof **pages)};
     cutter    *c        = calloc(1, sizeof *c);
     vxs_result r        = c && pages[0] && pages[1] ? cutter_init(c, l) : VXS_E_MEMORY;
-    if (r == VXS_OK) r = cut_twice(l, c, pages);
+    l->share            = VXS_PAGE_WORDS_MAX;
+    if (r == VXS_OK) r = cut(l, c, pages);
+    if (r == VXS_OK && l->page_count > 1) {
+        l->share = page_place(l, l->page_count) / l->page_count + 1;
+        r        = share_patterns(l, pages);
+    }
     if (c) cutter_free(c);
     free(c);
     free(pages[0]);
     free(pages[1]);
+    return r;
+}
+
+/* Into this number of equal pages, so that threads get equal work. */
+vxs_result layout_cut_pages(layout *l, void (*ended)(void *user, size_t page_count), void *user)
+{
+    if (l->page_count < 2) {
+        if (l->page_count) ended(user, 1);
+        return VXS_OK;
+    }
+    if (!array_reserve(&l->page_end, &l->page_capacity, VXS_PAGES_MAX, sizeof *l->page_end)) return VXS_E_MEMORY;
+    cutter    *c = calloc(1, sizeof *c);
+    vxs_result r = c ? cutter_init(c, l) : VXS_E_MEMORY;
+    if (r == VXS_OK) {
+        c->ended = ended;
+        c->user  = user;
+        r        = cut(l, c, NULL);
+    }
+    if (c) cutter_free(c);
+    free(c);
     return r;
 }

@@ -7,6 +7,7 @@
 
 #include "baker/base/parallel.h"
 #include "baker/base/run_control.h"
+#include "baker/base/threads.h"
 #include "baker/coding/blocks/blocks.h"
 #include "formats/vxs_bytes.h"
 
@@ -24,8 +25,6 @@ enum { PLACE_BITS = 17 };
 /* A thread that writes pages. */
 typedef struct page_writer {
     const layout  *l;
-    uint32_t      *to;
-    size_t         first, step;     /* its pages: first, first + step, ... */
     place_in_page *block, *code[2]; /* words of blocks; halves of patterns, from the first pattern of the page on */
     block_counts   counts;
 } page_writer;
@@ -197,16 +196,6 @@ static void write_page(page_writer *w, size_t page, uint32_t *words)
     w->counts.pattern_words += (s.half + 1) / 2;
 }
 
-/* Each writer takes every step-th page: its scratch is as large as all that pages can contain, so there are few writers. */
-static void write_some_pages(void *user, size_t begin, size_t end, uint32_t worker)
-{
-    page_writer *w = user;
-    (void)worker;
-    for (size_t n = begin; n < end; n++)
-        for (size_t page = w[n].first; page < w[n].l->page_count; page += w[n].step)
-            write_page(&w[n], page, w[n].to + page_place(w[n].l, page));
-}
-
 static vxs_result writer_init(page_writer *w)
 {
     w->block = calloc(w->l->set->blocks.count + 1, sizeof *w->block);
@@ -221,29 +210,128 @@ static void writer_free(page_writer *w)
     free(w->code[1]);
 }
 
-vxs_result layout_write_pages(layout *l, uint32_t *to)
-{
+/* Pages that are cut on one thread, and written on the others. */
+typedef struct page_queue {
+    layout     *l;
+    uint32_t   *to;   /* of the first page */
+    size_t      room; /* for all pages, in words */
     page_writer writers[WRITERS_MAX];
-    uint32_t    count = min_u32(min_u32(max_u32(l->threads, 1), WRITERS_MAX), (uint32_t)l->page_count), made = 0;
-    vxs_result  r = VXS_OK;
-    for (; made < count && r == VXS_OK; made++) {
-        writers[made] = (page_writer){.l = l, .to = to, .first = made, .step = count};
-        r             = writer_init(&writers[made]);
+    os_mutex    lock;
+    os_signal   more;
+    size_t      cut, taken; /* pages that can be written; that are */
+    int         ended;      /* no page will be cut */
+    vxs_result  result;     /* of cutting */
+} page_queue;
+
+/* Pages behind the room are written later. */
+static void page_is_cut(void *user, size_t page_count)
+{
+    page_queue *q = user;
+    os_lock(&q->lock);
+    if (page_place(q->l, page_count) <= q->room) q->cut = page_count;
+    os_wake_all(&q->more);
+    os_unlock(&q->lock);
+}
+
+static void cut_pages(page_queue *q)
+{
+    const vxs_result r = layout_cut_pages(q->l, page_is_cut, q);
+    os_lock(&q->lock);
+    q->result = r;
+    q->ended  = 1;
+    os_wake_all(&q->more);
+    os_unlock(&q->lock);
+}
+
+/* The next page to write. 0: there is none. */
+static int next_page(page_queue *q, size_t *page)
+{
+    run_control *run = run_control_current();
+    for (;;) {
+        os_lock(&q->lock);
+        const int is_there = q->taken < q->cut, waits = !is_there && !q->ended;
+        if (is_there) *page = q->taken++;
+        if (waits) {
+            run_control_leave(run);
+            os_wait(&q->more, &q->lock);
+        }
+        os_unlock(&q->lock);
+        if (!waits) return is_there;
+        run_control_enter(run);
     }
-    if (r == VXS_OK) parallel_for(count, count, 1, write_some_pages, writers);
+}
+
+/* The first piece of work is to cut the pages; the others are the writers. */
+static void work_on_pages(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    page_queue *q = user;
+    (void)worker;
+    for (size_t n = begin, page; n < end; n++) {
+        if (!n)
+            cut_pages(q);
+        else
+            while (next_page(q, &page)) write_page(&q->writers[n - 1], page, q->to + page_place(q->l, page));
+    }
+}
+
+static void add_counts(block_counts *sum, const block_counts *from)
+{
+    sum->nodes += from->nodes;
+    sum->blocks += from->blocks;
+    sum->tiles += from->tiles;
+    sum->private_tiles += from->private_tiles;
+    sum->patterns += from->patterns;
+    sum->private_patterns += from->private_patterns;
+    sum->node_words += from->node_words;
+    sum->block_words += from->block_words;
+    sum->pattern_words += from->pattern_words;
+}
+
+static void write_on(void *user, size_t begin, size_t end, uint32_t worker)
+{
+    work_on_pages(user, begin + 1, end + 1, worker);
+}
+
+/* Make room for all pages, which are cut, and write those that had none. */
+static vxs_result write_rest(page_queue *q, size_t before, uint32_t count, uint32_t **memory)
+{
+    const size_t was = before + q->room, all = before + page_place(q->l, q->l->page_count);
+    uint32_t    *grown = realloc(*memory, (all + VXS_BLOCKS_SPARE_WORDS) * sizeof *grown);
+    if (!grown) return VXS_E_MEMORY;
+    memset(grown + was, 0, (all + VXS_BLOCKS_SPARE_WORDS - was) * sizeof *grown);
+    *memory = grown;
+    q->to   = grown + before;
+    q->cut  = q->l->page_count;
+    parallel_for(q->l->threads, count, 1, write_on, q);
+    return VXS_OK;
+}
+
+vxs_result layout_write_pages(layout *l, size_t before, uint32_t **memory)
+{
+    page_queue q     = {.l = l, .room = page_place(l, l->page_count)};
+    uint32_t   count = min_u32(min_u32(max_u32(l->threads, 1), WRITERS_MAX), (uint32_t)l->page_count), made = 0;
+    vxs_result r = VXS_OK;
+    *memory      = calloc(before + q.room + VXS_BLOCKS_SPARE_WORDS, sizeof **memory);
+    if (!*memory) return VXS_E_MEMORY;
+    q.to = *memory + before;
+    os_mutex_init(&q.lock);
+    os_signal_init(&q.more);
+    for (; made < count && r == VXS_OK; made++) {
+        q.writers[made].l = l;
+        r                 = writer_init(&q.writers[made]);
+    }
+    if (r == VXS_OK) parallel_for(l->threads, 1 + count, 1, work_on_pages, &q);
+    if (r == VXS_OK) r = q.result;
+    if (r == VXS_OK && q.cut < l->page_count) r = write_rest(&q, before, count, memory);
     for (uint32_t n = 0; n < made; n++) {
-        const block_counts *from = &writers[n].counts;
-        block_counts       *sum  = &l->out->counts;
-        sum->nodes += from->nodes;
-        sum->blocks += from->blocks;
-        sum->tiles += from->tiles;
-        sum->private_tiles += from->private_tiles;
-        sum->patterns += from->patterns;
-        sum->private_patterns += from->private_patterns;
-        sum->node_words += from->node_words;
-        sum->block_words += from->block_words;
-        sum->pattern_words += from->pattern_words;
-        writer_free(&writers[n]);
+        add_counts(&l->out->counts, &q.writers[n].counts);
+        writer_free(&q.writers[n]);
+    }
+    os_signal_free(&q.more);
+    os_mutex_free(&q.lock);
+    if (r != VXS_OK) {
+        free(*memory);
+        *memory = NULL;
     }
     return r;
 }

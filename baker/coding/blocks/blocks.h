@@ -172,7 +172,8 @@ typedef struct block_counts {
 
 /* The words that lookups read: the top, common patterns, and pages (formats/vxs.md). */
 typedef struct block_words {
-    uint32_t    *words; /* [count + VXS_BLOCKS_SPARE_WORDS] the spare words are 0 */
+    void        *memory; /* with the words */
+    uint32_t    *words;  /* [count + VXS_BLOCKS_SPARE_WORDS] the spare words are 0 */
     uint32_t     count;
     uint8_t     *common_kinds; /* [common_count] patterns in the order of the common pool: number of depths; 0: private palette */
     uint32_t     common_count, common_halves;
