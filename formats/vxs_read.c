@@ -278,8 +278,8 @@ void vxs_extras_free(vxs_extras *extras, uint32_t light_count, const vxs_allocat
     vxs_points_free(&extras->points, allocator);
 }
 
-static vxs_result read_bytes(vxs_contents *contents, vxs_extras *extras, const void *bytes, size_t size_bytes,
-                             const vxs_read_desc *desc, int is_written)
+vxs_result vxs_read_extras(vxs_contents *contents, vxs_extras *extras, const void *bytes, size_t size_bytes,
+                           const vxs_read_desc *desc, int is_written)
 {
     vxs_reader r     = {.bytes = bytes, .size = size_bytes, .is_written = is_written};
     vxs_result taken = vxs_read_desc_take(&r.desc, desc);
@@ -301,17 +301,11 @@ static vxs_result read_bytes(vxs_contents *contents, vxs_extras *extras, const v
     return r.result;
 }
 
-vxs_result vxs_read_extras(vxs_contents *contents, vxs_extras *extras, const void *bytes, size_t size_bytes,
-                           const vxs_read_desc *desc)
-{
-    return read_bytes(contents, extras, bytes, size_bytes, desc, 0);
-}
-
 static vxs_result read_contents(vxs_contents *contents, const void *bytes, size_t size_bytes, const vxs_read_desc *desc,
                                 int is_written)
 {
     vxs_extras extras;
-    vxs_result r = read_bytes(contents, &extras, bytes, size_bytes, desc, is_written);
+    vxs_result r = vxs_read_extras(contents, &extras, bytes, size_bytes, desc, is_written);
     if (r == VXS_OK) vxs_extras_free(&extras, contents->light_count, &contents->allocator);
     return r;
 }

@@ -125,13 +125,14 @@ typedef struct vxs_extras {
 } vxs_extras;
 
 /* vxs_read, with smoke and points.
- * extras  [out] release with vxs_extras_free; written only if VXS_OK is returned */
+ * extras      [out] release with vxs_extras_free; written only if VXS_OK is returned
+ * is_written  as vxs_read_written */
 vxs_result vxs_read_extras(vxs_contents *contents, vxs_extras *extras, const void *bytes, size_t size_bytes,
-                           const vxs_read_desc *desc);
+                           const vxs_read_desc *desc, int is_written);
 void       vxs_extras_free(vxs_extras *extras, uint32_t light_count, const vxs_allocator *allocator);
 
-/* vxs_read of bytes that vxs_write has just made. Pages packed small or fine are not decoded: vxs_page_encode has checked that they decode
- * to their words. All else is checked, and pages are marked as not loaded. */
+/* vxs_read of bytes that vxs_write has just made. Pages packed small or fine are not decoded: vxs_page_encode has checked that
+ * they decode to their words. All else is checked, and pages are marked as not loaded. */
 vxs_result vxs_read_written(vxs_contents *contents, const void *bytes, size_t size_bytes, const vxs_read_desc *desc);
 
 #endif

@@ -24,7 +24,7 @@ vxs_result vxs_asset_open(vxs_asset **asset, const void *bytes, size_t size_byte
     if (!a) return VXS_E_MEMORY;
     memset(a, 0, sizeof *a);
     a->allocator = memory;
-    r            = vxs_read_extras(&a->contents, &a->extras, bytes, size_bytes, &known);
+    r            = vxs_read_extras(&a->contents, &a->extras, bytes, size_bytes, &known, 0);
     if (r != VXS_OK) {
         memory.free(a, sizeof *a, memory.user);
         return r;
