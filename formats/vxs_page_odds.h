@@ -99,7 +99,7 @@ typedef struct page_odds {
     signed_odds base[3][4];
     nibble_odds entries[5][8], delta_form[6][4], delta_shift, delta_width, last_depth[4];
     number_odds delta[224], delta_wide;
-    nibble_odds round[13], private_round[13];
+    nibble_odds round[13];
     nibble_odds block_mixed[5][64], index[5][3][12];
     nibble_odds on_plane[9], plane_like[9], row_on_plane[64], row_mixed[5][16], least_zeros[2];
     plane_odds  block_plane;
@@ -109,10 +109,12 @@ typedef struct page_odds {
     nibble_odds used_again[2][USED_LANES], pattern_again[4][PATTERN_LANES];
     number_odds pattern[VXS_PATTERN_KINDS], common[VXS_PATTERN_KINDS];
     signed_odds private_base[3];
-    /* patterns */
+    number_odds private_lately;
+    nibble_odds private_found[5];
+    /* patterns; the resident part has these alone */
     nibble_odds differs[2][2][128], other[4][5][3], far;
-    nibble_odds private_found[5], private_kind[3], private_shift, private_count, residual[3][6];
-    number_odds private_lately, private_delta, raw_far, raw_base;
+    nibble_odds private_round[13], private_kind[3], private_shift, private_count, residual[3][6];
+    number_odds private_delta, raw_far, raw_base;
     plane_odds  private_plane[3];
     nibble_odds far_shift, quarters[2];
     number_odds far_plane;
@@ -155,6 +157,15 @@ static void start_differs(nibble_odds *odds, uint32_t k)
     start_four(odds, low, high);
 }
 
+/* Copies of the first of so many elements. */
+static void repeat(void *first, size_t size, size_t count)
+{
+    for (size_t done = 1, more; done < count; done += more) {
+        more = done < count - done ? done : count - done;
+        memcpy((char *)first + done * size, first, more * size);
+    }
+}
+
 /* Odds of so many numbers: bits behind the leading one start with even odds of those that there are. */
 static void start_numbers(number_odds *odds, size_t count)
 {
@@ -163,7 +174,7 @@ static void start_numbers(number_odds *odds, size_t count)
         for (uint32_t n = 0; n < 16; n++) weight[n] = n >> size ? 0 : 1u << (32 - size);
         nibble_start(&odds->rest[size], weight, 0);
     }
-    for (size_t n = 1; n < count; n++) odds[n] = *odds;
+    repeat(odds, sizeof *odds, count);
 }
 
 static void start_signed(signed_odds *odds, size_t count)
@@ -171,7 +182,7 @@ static void start_signed(signed_odds *odds, size_t count)
     uint32_t weight[16] = {1u << 31, 1u << 31};
     nibble_start(&odds->sign, weight, 0);
     start_numbers(&odds->size, 1);
-    for (size_t n = 1; n < count; n++) odds[n] = *odds;
+    repeat(odds, sizeof *odds, count);
 }
 
 #define ODDS_OF(type, array) (type *)(void *)(array), sizeof(array) / sizeof(type)
@@ -188,23 +199,35 @@ static void start_fine(page_odds *odds)
     uint32_t     weight[16];
     for (uint32_t n = 0; n < 16; n++) weight[n] = 1u << (n < 15 ? 31 - n : 17); /* each half as likely as the one before */
     nibble_start(like, weight, 0);
-    for (size_t n = 1; n < sizeof odds->depth_like / sizeof *like; n++) like[n] = *like;
+    repeat(like, sizeof *like, sizeof odds->depth_like / sizeof *like);
+}
+
+/* So many rows, with even odds. */
+static void start_even(nibble_odds *odds, size_t count)
+{
+    uint32_t even[16];
+    for (uint32_t n = 0; n < 16; n++) even[n] = 1 << 28;
+    nibble_start(odds, even, 0);
+    repeat(odds, sizeof *odds, count);
+}
+
+/* The odds of patterns; others stay as they are. */
+static void start_patterns(page_odds *odds)
+{
+    const size_t before = offsetof(page_odds, differs);
+    start_even((nibble_odds *)(void *)((char *)odds + before), (sizeof *odds - before) / sizeof(nibble_odds));
+    for (uint32_t k = 0; k < 64; k++) start_differs(&odds->differs[0][0][k], k);
+    repeat(odds->differs, 64 * sizeof(nibble_odds), sizeof odds->differs / (64 * sizeof(nibble_odds)));
 }
 
 static void start_odds(page_odds *odds, int fine)
 {
     static const uint8_t used[4] = {38, 64, 128, 218}, mixed[4] = {51, 179};
-    uint32_t             even[16];
-    for (uint32_t n = 0; n < 16; n++) even[n] = 1 << 28;
-    nibble_start((nibble_odds *)odds, even, 0);
-    for (size_t n = 1; n < sizeof *odds / sizeof(nibble_odds); n++) ((nibble_odds *)odds)[n] = *(nibble_odds *)odds;
-    for (uint32_t k = 0; k < 64; k++) {
-        if (k < 16)
-            start_mask(&odds->node_mixed[k], k, mixed, 4);
-        else
-            odds->node_mixed[k] = odds->node_mixed[k & 15];
-        for (uint32_t q = 0; q < 5; q++) odds->block_mixed[q][k] = odds->node_mixed[k];
-    }
+    start_even((nibble_odds *)odds, offsetof(page_odds, differs) / sizeof(nibble_odds));
+    start_patterns(odds);
+    for (uint32_t k = 0; k < 16; k++) start_mask(&odds->node_mixed[k], k, mixed, 4);
+    repeat(odds->node_mixed, 16 * sizeof(nibble_odds), 4);
+    for (uint32_t q = 0; q < 5; q++) memcpy(odds->block_mixed[q], odds->node_mixed, sizeof odds->node_mixed);
     if (fine) start_fine(odds);
     for (uint32_t left = 0; left < 4; left++) {
         uint32_t bits = left ? left : 4, known = ((1u << bits) - 1) * 0x11; /* bits of k that are used */
@@ -214,12 +237,6 @@ static void start_odds(page_odds *odds, int fine)
             else
                 start_mask(&odds->used[left][k], k, used, bits);
     }
-    for (uint32_t k = 0; k < 64; k++) {
-        start_differs(&odds->differs[0][0][k], k);
-        odds->differs[0][0][k + 64] = odds->differs[0][0][k];
-    }
-    for (uint32_t kind = 1; kind < 4; kind++)
-        memcpy(odds->differs[kind >> 1][kind & 1], odds->differs[0][0], sizeof odds->differs[0][0]);
 }
 
 #endif

@@ -235,7 +235,7 @@ static int code_resident(resident_walk *r, const vxs_common *source)
 {
     uint32_t *words = r->w.words;
     if (r->page_count > VXS_PAGES_MAX || RESIDENT_WORDS + r->page_count > r->w.word_count) return 0;
-    start_odds(r->w.odds, 0);
+    start_patterns(r->w.odds);
     for (size_t n = 0; n < sizeof *r->odds / sizeof(nibble_odds); n++) ((nibble_odds *)r->odds)[n] = r->w.odds->far;
     words[0]  = r->page_count;
     r->w.word = RESIDENT_WORDS + r->page_count;
