@@ -168,6 +168,19 @@ static inline f64s f64s_min(f64s a, f64s b)
 #endif
 }
 
+/* Rounded up. */
+static inline i32s f64s_up(f64s v)
+{
+#ifdef __AVX512F__
+    return (i32s)_mm512_cvt_roundpd_epi32((__m512d)v, _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC);
+#elif defined __AVX2__
+    return (i32s)_mm256_cvttpd_epi32(_mm256_ceil_pd((__m256d)v));
+#else
+    const i32s down = __builtin_convertvector(v, i32s);
+    return down - __builtin_convertvector((i64s)(__builtin_convertvector(down, f64s) < v), i32s);
+#endif
+}
+
 /* Element of a where its bit is set, else of b. */
 static inline f64s f64s_select(uint32_t bits, f64s a, f64s b)
 {
@@ -190,16 +203,24 @@ static inline f64s f64s_choose(i64s mask, f64s a, f64s b)
 
 static inline double f64s_greatest(f64s v)
 {
+#ifdef __AVX512F__
+    return _mm512_reduce_max_pd((__m512d)v);
+#else
     double greatest = v[0];
     for (int n = 1; n < LANES; n++) greatest = v[n] > greatest ? v[n] : greatest;
     return greatest;
+#endif
 }
 
 static inline double f64s_least(f64s v)
 {
+#ifdef __AVX512F__
+    return _mm512_reduce_min_pd((__m512d)v);
+#else
     double least = v[0];
     for (int n = 1; n < LANES; n++) least = v[n] < least ? v[n] : least;
     return least;
+#endif
 }
 
 /* Store the elements whose bits are set, one after the other, and anything up to LANES elements.   to  8-byte numbers */

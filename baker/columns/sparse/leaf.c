@@ -446,9 +446,8 @@ static void round_depths(depth_scale s, const double depths[64], int up, uint32_
             last = z;
             z = of_last = f64s_min(f64s_max(-depth_logs(0 - z) / f64s_all(s.voxel_log), f64s_all(0)), depth_vx);
         }
-        i32s down = __builtin_convertvector(z, i32s);
-        if (up) down -= __builtin_convertvector((i64s)(__builtin_convertvector(down, f64s) < z), i32s);
-        memcpy(voxels + n, &down, sizeof down);
+        const i32s whole = up ? f64s_up(z) : __builtin_convertvector(z, i32s);
+        memcpy(voxels + n, &whole, sizeof whole);
         low  = f64s_min(low, z);
         high = f64s_max(high, z);
     }
