@@ -393,6 +393,18 @@ static int32_t depth_beside(const node_builder *b, int32_t low, int32_t high)
     return -1;
 }
 
+/* The least depth along the upper and the left side of a block without uniform tiles. */
+static int32_t least_beside(const node_builder *b)
+{
+    int32_t least = INT32_MAX;
+    for (int n = 0; n < 4; n++)
+        for (int k = 0; k < 8; k++) {
+            least = min_i32(least, b->tile[n].ranges.low[pattern_texel(k, 0)]);
+            least = min_i32(least, b->tile[4 * n].ranges.low[pattern_texel(0, k)]);
+        }
+    return max_i32(least, 0);
+}
+
 /* Build the palette for the tiles that are not on the plane.
  * p  [out]
  * Returns the first depth. */
@@ -401,6 +413,11 @@ static int32_t build_palette(node_builder *b, block *out, palette_in *p)
     stab_group groups[PALETTE_MAX + 1];
     scale_block(b);
     int count = block_groups(b, groups);
+    if (!(b->of_kind[TILE_UNIFORM] |
+          b->of_kind[TILE_PATTERN])) { /* the only entry is but the base of tiles, which pages predict so */
+        out->depths = 1;
+        return least_beside(b);
+    }
 
     /* Choose depths within their groups, with round differences to the first. The last depth is often that of the ground. If a
      * block beside this one has a depth in its group, take that: pages of VXS_PACKING_FINE then need not code it. */

@@ -194,6 +194,18 @@ typedef struct new_ids {
     int32_t  *private_base; /* added to the bases of tiles */
 } new_ids;
 
+/* Whether many tiles are on planes of their blocks: patterns of planes may then be found that are far back. */
+static int is_slanted(const block_set *s)
+{
+    uint64_t planar = 0;
+    for (size_t n = 0; n < s->blocks.count; n++) {
+        block_head h;
+        memcpy(&h, intern_at(&s->blocks, (uint32_t)n), sizeof h);
+        planar += (uint32_t)__builtin_popcount(h.planar);
+    }
+    return 4 * planar > BLOCK_TILES * s->blocks.count;
+}
+
 static vxs_result merge_patterns(block_set *s, const block_set *from, new_ids *ids)
 {
     mask_need needs[PALETTE_MAX - 1];
@@ -206,6 +218,7 @@ static vxs_result merge_patterns(block_set *s, const block_set *from, new_ids *i
             if (r != VXS_OK) return r;
         }
     }
+    s->privates.thorough = is_slanted(from);
     for (size_t n = 0; n < from->privates.count; n++) {
         run_control_wait_each(BETWEEN_PASSES, n);
         vxs_result r = private_adopt(&s->privates, &from->privates.patterns[n], &ids->privates[n], &ids->private_base[n]);

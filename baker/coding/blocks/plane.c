@@ -365,8 +365,9 @@ int plane_fit_pair(plane pair[2], uint64_t *second, const plane_ranges *t, int t
 enum {
     BLOCK_PX    = 32,
     SEEDS       = 6,
-    BLOCK_ZEROS = 2,            /* low bits of slopes that may be rounded to zero */
-    BLOCK_ROOM  = PLANE_ONE / 2 /* room that is left then */
+    TILE_NEAR   = 3 * PLANE_ONE / 8, /* distance of tiles that may still join the plane of a block */
+    BLOCK_ZEROS = 2,                 /* low bits of slopes that may be rounded to zero */
+    BLOCK_ROOM  = PLANE_ONE / 2      /* room that is left then */
 };
 
 static uint32_t fit_tiles(plane *p, const plane_ranges tiles[16], uint32_t on)
@@ -420,7 +421,7 @@ static uint32_t tiles_near(const plane *p, const plane_ranges tiles[16], uint32_
         int                 n    = __builtin_ctz(rest);
         const plane_ranges *tile = &tiles[n];
         plane_room          room = room_of(p, &tile, 1);
-        if (room.low - NEAR <= (float)first && (float)first <= room.high + NEAR) near |= 1u << n;
+        if (room.low - TILE_NEAR <= (float)first && (float)first <= room.high + TILE_NEAR) near |= 1u << n;
     }
     return near;
 }

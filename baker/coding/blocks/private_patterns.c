@@ -106,7 +106,8 @@ static uint32_t last_bit(uint32_t bits)
 /* Returns the place of a pattern that fits, or the count. */
 static ALWAYS_INLINE size_t search_by(find_possible *find, const private_set *s, const half_ranges *t, int *base)
 {
-    size_t      stop = s->known_count > PRIVATE_WINDOW ? s->known_count - PRIVATE_WINDOW : 0;
+    size_t window = s->thorough ? PRIVATE_WINDOW : PRIVATE_WINDOW_LESS,
+           stop   = s->known_count > window ? s->known_count - window : 0;
     pair_ranges r;
     for (int n = 0; n < PAIRS; n++) {
         int from = pair_texels[n][0], to = pair_texels[n][1];

@@ -51,7 +51,8 @@ void private_plane(private_planes *to, const tile_ranges *t);
 /* Fit two planes.   thorough  whether it may take longer */
 void private_plane_pair(private_planes *to, const tile_ranges *t, int thorough);
 
-enum { PRIVATE_WINDOW = 1024 }; /* number of patterns that a tile is compared with */
+/* Number of patterns that a tile is compared with, at most; less if searches may not take longer. */
+enum { PRIVATE_WINDOW = 4096, PRIVATE_WINDOW_LESS = 1024 };
 
 typedef struct private_pattern {
     int32_t     depth[64]; /* all >= 0 */
@@ -70,7 +71,7 @@ typedef struct private_set {
     struct private_known *known;
     struct pair_group    *groups;
     size_t                known_count, known_capacity, group_capacity;
-    int                   thorough; /* [in] whether a search for two planes may take longer */
+    int                   thorough; /* [in] whether searches may take longer */
     int                   cpu;      /* [in] level of cpu.h for searches; affects only time */
 } private_set;
 
