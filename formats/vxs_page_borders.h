@@ -21,7 +21,7 @@ enum {
     LIST_CHUNK   = 256,
     LATELY_KEPT  = 64, /* number of patterns of planes used last */
     COLUMNS_KEPT = 64, /* columns, and rows, of squares with a stored border */
-    BORDERS_KEPT = 1024,
+    BORDERS_KEPT = 2048,
     PATTERN_SETS = 4096, /* contexts of patterns */
     USED_SETS    = 8192, /* contexts of the entries that a tile uses */
 };

@@ -81,7 +81,8 @@ static uint64_t border_of(const uint32_t *words, uint32_t half, uint32_t depths)
 {
     uint32_t row[4], column[4], own = half + depths / 2 - 1; /* row, column: of each quadrant; own: the last stored half */
     if (get_byte(words, 2 * half) == 0xff) return border_of_image(words, 2 * half + 2);
-    for (uint32_t c = 0; c < 4; c++) {
+    for (uint32_t n = 0; n + 1 < depths; n++) own += (get_byte(words, 2 * half + n) & 3) == 2; /* the first one has no border */
+    for (uint32_t c = 1; c < 4; c++) {
         row[c] = column[c] = 0;
         for (uint32_t n = 0; n + 1 < depths; n++) {
             uint32_t state = get_byte(words, 2 * half + n) >> 2 * c & 3;
