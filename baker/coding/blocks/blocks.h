@@ -60,7 +60,9 @@ typedef struct block_head {
     uint8_t  depths, has_plane, shift, width;
     uint8_t  mixed_count, own_count; /* number of tiles in these masks */
     uint8_t  tail_words;
+    uint8_t  padding; /* 0: packed blocks are compared by bytes */
 } block_head;
+_Static_assert(sizeof(block_head) == 16, "all bytes of block_head are fields");
 
 /* Returns the number of bytes, padded with zeros to a multiple of 8. */
 size_t block_pack(const block *b, uint8_t bytes[BLOCK_PACKED_MAX]);
