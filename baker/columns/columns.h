@@ -155,7 +155,9 @@ static inline double depth_none(depth_scale s)
 /* Clamp a depth to the range between the near plane and the far plane. */
 static inline double depth_clamped(depth_scale s, double depth)
 {
-    return fmax(depth_none(s) - 1, fmin(depth, depth_none(s)));
+    const double most = depth_none(s), least = most - 1; /* fmin() and fmax() would be calls */
+    depth = depth < most ? depth : most;
+    return depth > least ? depth : least;
 }
 
 PORTABLE_LOG(depth_log, double, uint64_t)
