@@ -3,7 +3,7 @@
 # memory is the most that the system saw of the process. Beside them stand the two depth maps alone, rendered by a sample of tiles
 # (two_maps.c), and what a third processor would gain: of each stage, what one thread takes and two do not halve is taken for the
 # work of one. --against VXS: another build bakes the same, run by run in turn with this one.
-# LARGE_ROWS: which (default "city landscape sponza town spots"), or NAME:RESOLUTION of smaller ones.  LARGE_RUNS: how often (default 3).
+# LARGE_ROWS: which (default "large-city landscape sponza city spots"), or NAME:RESOLUTION of smaller ones.  LARGE_RUNS: how often (default 3).
 # VXS_SCENES: the shared scenes; without them Sponza is left out.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import argparse
@@ -21,9 +21,9 @@ from tables import SPONZA, SPONZA_SUN, markdown
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 RUNS = int(os.environ.get("LARGE_RUNS", "3"))
 SIDES = (4096, 16384, 65536, 262144)
-ROWS = {"city": SIDES, "landscape": SIDES, "sponza": (65536,), "town": (4096, 16384), "spots": (4096,)}
-SCENES = {"city": ("city", "--triangles", 800000, "--blocks", 22), "landscape": ("landscape", "--triangles", 2000000),
-          "town": ("city", "--triangles", 100000), "spots": ("city", "--triangles", 100000, "--spots", 165), "small": ("city", "--triangles", 5000)}
+ROWS = {"large-city": SIDES, "landscape": SIDES, "sponza": (65536,), "city": (4096, 16384), "spots": (4096,)}
+SCENES = {"large-city": ("city", "--triangles", 800000, "--blocks", 22), "landscape": ("landscape", "--triangles", 2000000),
+          "city": ("city", "--triangles", 100000), "spots": ("city", "--triangles", 100000, "--spots", 165), "small": ("city", "--triangles", 5000)}
 BEFORE = ("load", "solids", "plan")
 
 
