@@ -5,7 +5,6 @@
 #include <stdlib.h>
 
 #include "baker/base/box.h"
-#include "baker/base/integer.h"
 
 void casters_free(casters *c)
 {
@@ -27,11 +26,11 @@ void casters_free(casters *c)
 
 vxs_result casters_find_runs(casters *c, run_context *m)
 {
-    size_t count = (c->triangle_count + CASTERS_RUN - 1) / CASTERS_RUN;
+    size_t count = casters_run_count(c);
     if (!(c->runs = malloc((count + 1) * sizeof *c->runs))) return fail(m, VXS_E_MEMORY, "out of memory for the reach of lights");
     for (size_t n = 0; n < count; n++) {
-        size_t first = n * CASTERS_RUN, left = c->triangle_count - first;
-        c->runs[n] = box_of_corners(c->positions_ws, c->indices + 3 * first, 3 * (left < CASTERS_RUN ? left : CASTERS_RUN));
+        size_t first = n * CASTERS_RUN;
+        c->runs[n]   = box_of_corners(c->positions_ws, c->indices + 3 * first, 3 * (casters_run_end(c, n) - first));
     }
     return VXS_OK;
 }

@@ -118,6 +118,18 @@ vxs_result casters_for_maps(casters *c, const scene *s, closed_mode closed, uint
  * gives up. */
 vxs_result casters_find_meeting(casters *c, uint32_t threads, run_context *m);
 
+/* How many runs there are, whether they are filled or not; and the triangle behind the last one of a run. */
+static inline size_t casters_run_count(const casters *c)
+{
+    return (c->triangle_count + CASTERS_RUN - 1) / CASTERS_RUN;
+}
+
+static inline size_t casters_run_end(const casters *c, size_t run)
+{
+    const size_t end = (run + 1) * CASTERS_RUN;
+    return end < c->triangle_count ? end : c->triangle_count;
+}
+
 /* Fill runs. Returns VXS_OK or VXS_E_MEMORY. */
 vxs_result casters_find_runs(casters *c, run_context *m);
 

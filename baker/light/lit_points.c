@@ -51,24 +51,14 @@ static int touches(const light_shape *shape, double cosine, double sine, const b
     return along > -r && sqrt(beside > 0 ? beside : 0) * cosine - along * sine <= r;
 }
 
-static size_t runs_of(const lit_points_desc *d)
-{
-    return (d->c->triangle_count + CASTERS_RUN - 1) / CASTERS_RUN;
-}
-
-static size_t end_of_run(const lit_points_desc *d, size_t run)
-{
-    return (run + 1) * CASTERS_RUN < d->c->triangle_count ? (run + 1) * CASTERS_RUN : d->c->triangle_count;
-}
-
 /* Take every step-th triangle of the touched runs. Returns how many. */
 static size_t take(candidates *out, const lit_points_desc *d, const uint8_t *touched, size_t step)
 {
     const casters *c     = d->c;
     size_t         count = 0, until_next = 1;
     double         area = 0;
-    for (size_t run = 0; run < runs_of(d); run++) {
-        size_t end = touched[run] ? end_of_run(d, run) : 0;
+    for (size_t run = 0; run < casters_run_count(d->c); run++) {
+        size_t end = touched[run] ? casters_run_end(d->c, run) : 0;
         for (size_t t = run * CASTERS_RUN; t < end; t++) {
             if ((d->object_of && d->object_of[c->component_of[t]] == d->without) || --until_next) continue;
             until_next            = step;
@@ -173,12 +163,12 @@ static int is_sun(const lit_points_desc *d)
 static candidates candidates_of(const lit_points_desc *d)
 {
     candidates k       = {0};
-    uint8_t   *touched = malloc(runs_of(d) + 1);
+    uint8_t   *touched = malloc(casters_run_count(d->c) + 1);
     double     cosine = portable_cos(d->shape->outer_rad), sine = portable_sin(d->shape->outer_rad);
     size_t     step = 1;
-    for (size_t run = 0; touched && run < runs_of(d); run++) {
+    for (size_t run = 0; touched && run < casters_run_count(d->c); run++) {
         touched[run] = (uint8_t)(is_sun(d) || !d->c->runs || touches(d->shape, cosine, sine, &d->c->runs[run]));
-        k.count += touched[run] ? end_of_run(d, run) - run * CASTERS_RUN : 0; /* fewer if an object is left out */
+        k.count += touched[run] ? casters_run_end(d->c, run) - run * CASTERS_RUN : 0; /* fewer if an object is left out */
     }
     if (d->triangles_max && k.count > d->triangles_max) step = (k.count + d->triangles_max - 1) / d->triangles_max;
     k.triangles = malloc((k.count / step + 1) * sizeof *k.triangles);

@@ -198,7 +198,7 @@ static int run_may_touch(const projector *w, size_t run)
 static int add_range(projector *w, size_t first, size_t end)
 {
     for (size_t n = first, next; n < end; n = next) {
-        next = (n / CASTERS_RUN + 1) * CASTERS_RUN;
+        next = casters_run_end(w->p->casters, n / CASTERS_RUN);
         next = next < end ? next : end;
         if (!run_may_touch(w, n / CASTERS_RUN)) continue;
         for (; n < next; n++)

@@ -1,6 +1,7 @@
 /* Random points of what a light can light, against areas in closed form (baker/light/lit_points.h).
  * SPDX-License-Identifier: GPL-3.0-or-later */
 #include <math.h>
+#include <stdlib.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -95,6 +96,7 @@ static void test_a_sun_reaches_all(void **state)
         assert_true(fabs(p[1] - small) < 1e-9 && fabs(p[0]) <= SIDE / 2 && fabs(p[2]) <= SIDE / 2 && points[n].along_metres == 0);
     }
     assert_in_range(on_small, POINTS * 45 / 100, POINTS * 55 / 100); /* the half that goes by triangles */
+    free(s.c.runs);
 }
 
 /* Of the floor 5 m below a punctual light: a disc, which the cone or the range cuts out. */
@@ -119,6 +121,7 @@ static void test_a_punctual_reaches_a_disc(void **state)
         const double *p = points[n].at_ws;
         assert_true(fabs(points[n].along_metres - fmax(height, fmax(fabs(p[0]), fabs(p[2])))) < 1e-9);
     }
+    free(s.c.runs);
 }
 
 static void test_without_an_object(void **state)
@@ -135,6 +138,7 @@ static void test_without_an_object(void **state)
     count = choose(&s, &bulb, object_of, 1, 0, points, &area);
     assert_about(area, SIDE * SIDE, 0.03);
     for (size_t n = 0; n < count; n++) assert_true(points[n].triangle < 2);
+    free(s.c.runs);
 }
 
 static void test_thinned_out(void **state)
@@ -153,6 +157,7 @@ static void test_thinned_out(void **state)
     vxs_light light = {.kind = VXS_LIGHT_KIND_POINT, .flags = VXS_LIGHT_CUBE, .levels = 8, .texel_metres = 0.01, .near_metres = 1};
     lit_points_desc d = {&s.c, &far, &light, NULL, 0, 0};
     assert_int_equal(lit_points_choose(points, POINTS, &d), 0);
+    free(s.c.runs);
 }
 
 int main(void)
