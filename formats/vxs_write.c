@@ -68,12 +68,11 @@ static vxs_result add_sections(vxs_sections *s, const vxs_write_desc *desc)
     /* the table of lights follows the levels, because it holds their word counts */
     vxs_bytes          table   = {0};
     vxs_encoded_light *encoded = NULL;
-    vxs_result         r       = VXS_E_MEMORY;
     uint8_t           *at      = vxs_append(&table, VXS_LIGHTS_PREFIX_BYTES + (size_t)desc->light_count * VXS_LIGHT_BYTES);
     if (!at) return VXS_E_MEMORY;
     vxs_store32(at, desc->light_count);
     vxs_store32(at + 4, VXS_LIGHT_BYTES);
-    r = vxs_encode_blocks(&encoded, s, desc->lights, desc->light_count);
+    vxs_result r = vxs_encode_blocks(&encoded, s, desc->lights, desc->light_count);
     for (uint32_t n = 0; n < desc->light_count && r == VXS_OK; n++)
         r = add_light(s, &desc->lights[n], encoded, n, table.data + VXS_LIGHTS_PREFIX_BYTES + (size_t)n * VXS_LIGHT_BYTES);
     if (r == VXS_OK) r = vxs_add_section(s, VXS_KIND_LIGHTS, 0, VXS_NO_LIGHT, 0, &table);

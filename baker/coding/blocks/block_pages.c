@@ -69,7 +69,7 @@ typedef struct tile_code {
 /* While pages are cut: for each block and each pattern the last page that has it, counted from 1. */
 typedef struct cutter {
     uint16_t *block, *code[2];
-    void (*ended)(void *user, size_t page_count); /* NULL: nobody waits for pages */
+    void (*ended)(void *user, size_t page_count); /* called after each page; NULL: it is not called */
     void     *user;
     uint32_t  fresh_count; /* patterns that no node of the page before the last one uses */
     tile_code fresh[NODE_BLOCKS * BLOCK_TILES];

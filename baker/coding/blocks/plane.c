@@ -21,7 +21,8 @@ enum {
     SLOPE_ZEROS = 7,                 /* low bits of slopes that may be rounded to zero */
     SLOPE_END   = PLANE_FREE / 64,   /* limit for which depths in an area of 32 x 32 texels are exact */
     NEAR        = 3 * PLANE_ONE / 2, /* distance of texels that may still join a plane */
-    WINDOW      = 3                  /* side of the areas from which pairs of planes start */
+    WINDOW      = 3,                 /* side of the areas from which pairs of planes start */
+    FEW_WINDOWS = 4                  /* of these areas that are tried where little time is allowed */
 };
 
 int plane_shift(const plane *p)
@@ -343,7 +344,7 @@ static uint64_t grow(plane *p, const plane_ranges *t, uint64_t window)
 int plane_fit_pair(plane pair[2], uint64_t *second, const plane_ranges *t, int thorough)
 {
     static const int8_t window[][2] = {{0, 0}, {5, 5}, {5, 0}, {0, 5}, {2, 2}, {3, 0}, {0, 3}, {5, 3}, {3, 5}, {3, 3}};
-    const unsigned      count       = thorough ? sizeof window / sizeof *window : 4;
+    const unsigned      count       = thorough ? sizeof window / sizeof *window : FEW_WINDOWS;
     uint64_t            tried       = 0;
     for (unsigned n = 0; n < count; n++) {
         uint64_t texels = window_texels(window[n][0], window[n][1]);

@@ -63,7 +63,6 @@ typedef struct private_pattern {
 
 /* Zero it. */
 typedef struct private_set {
-
     private_pattern *patterns; /* by id */
     size_t           count, pattern_capacity;
 
