@@ -71,7 +71,7 @@ function generate(name, ...args) {
   return at(name);
 }
 const city = generate('city.glb', 'city', '--triangles', '5000');
-const town = generate('town.glb', 'city', '--triangles', '50000'); // for bakes of seconds
+const largerCity = generate('larger_city.glb', 'city', '--triangles', '50000'); // for bakes of seconds
 const lamps = generate('lamps.glb', 'city', '--triangles', '2000', '--spots', '2');
 const room = generate('room.glb', 'room', '--triangles', '3000');
 const forest = generate('forest.glb', 'forest', '--triangles', '4000');
@@ -167,7 +167,7 @@ async function secondsOfThreads(args) {
 }
 
 test('threads share the work', { skip: !fs.existsSync('/proc/self/task') && 'there is no /proc/self/task' }, async () => {
-  const line = ['bake', town, '-o', 'shared.vxs', '--resolution', '65536', '--quiet', '--threads'];
+  const line = ['bake', largerCity, '-o', 'shared.vxs', '--resolution', '65536', '--quiet', '--threads'];
   const [alone, helper] = await secondsOfThreads([...line, '1']); // one that compiles
   const [first, second] = await secondsOfThreads([...line, '2']);
   assert.ok(helper < 0.4 * alone && second > 0.5 * first && first < 0.8 * alone, `${[alone, helper, first, second]}`);
@@ -302,7 +302,7 @@ test('a full disk fails as natively', { skip: !fs.existsSync('/dev/full') && 'th
 async function interrupted(kind, signal, threads = 1) {
   const cwd = fs.mkdtempSync(at('signal-'));
   const [program, ...first] = PROGRAMS[kind];
-  const child = spawn(program, [...first, 'bake', town, '-o', 'out.vxs', '--resolution', '262144', '--threads', String(threads)], { cwd });
+  const child = spawn(program, [...first, 'bake', largerCity, '-o', 'out.vxs', '--resolution', '262144', '--threads', String(threads)], { cwd });
   const ended = new Promise((resolve) => child.on('close', (status, by) => resolve({ status, by })));
   await delay(1200);
   child.kill(signal);
