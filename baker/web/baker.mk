@@ -7,8 +7,10 @@ wasm.libs  := $(patsubst %,$W/lib/lib%.a,zstd xxhash png zlib webp jansson mesho
 wasm.out   := $P/baker
 
 # files that run often are compiled for speed, those that a run calls once for size; where most of the time goes, whatever it takes
-wasm.hot   := baker/columns/sparse/leaf.c baker/coding/blocks/block_node.c formats/vxs_page_encode.c formats/vxs_page_decode.c
-wasm.cold  := baker/command/% baker/files/% baker/scene/% baker/library/% baker/main.c baker/bake/% baker/web/% runtime/%
+wasm.hot   := baker/columns/sparse/leaf.c baker/coding/blocks/block_node.c formats/vxs_page_encode.c
+wasm.cold  := baker/command/% baker/files/% baker/scene/% baker/library/% baker/main.c baker/bake/% baker/web/% runtime/% baker/light/% \
+              baker/smoke/% baker/coding/dag/% baker/coding/blocks/block_map.c formats/vxs_read% formats/vxs_write% formats/vxs_page_check.c \
+              formats/vxs_page_decode.c formats/vxs_resident_check.c
 wasm.speed  = $(if $(filter $(wasm.hot),$<),-O3,$(if $(filter $(wasm.cold),$<),-Os,-O2))
 # CGAL's code for SSE2 is assembly
 wasm.simd   = -msimd128 -mnontrapping-fptoint -msign-ext $(if $(filter baker/casters/%.cc,$<),,-msse2)
